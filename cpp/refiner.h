@@ -1,0 +1,71 @@
+// The C++ side of the bridge: a thin owner of OpenSubdiv's topology refiner that answers in flat arrays.
+//
+// Every function checks the level and the lengths of the arrays it is given and throws
+// std::runtime_error; cxx turns that into a Rust Err. A malformed cage cannot be checked here: the
+// caller hands over only cages that formwork::topology::Cage has accepted.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include <opensubdiv/far/stencilTable.h>
+#include <opensubdiv/far/topologyRefiner.h>
+
+#include "rust/cxx.h"
+
+namespace formwork {
+
+struct CageArrays;
+struct Counts;
+struct TopologyArrays;
+struct TagArrays;
+struct MaskArrays;
+struct ChildArrays;
+struct Stencils;
+
+class Refiner {
+public:
+    explicit Refiner(std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner);
+
+    void refine_uniform(std::uint32_t levels);
+
+    Counts counts(std::uint32_t level) const;
+    void topology(std::uint32_t level, TopologyArrays out) const;
+    void tags(std::uint32_t level, TagArrays out) const;
+    void masks(std::uint32_t level, MaskArrays out) const;
+    void children(std::uint32_t level, ChildArrays out) const;
+
+    // OpenSubdiv's own S0 from level - 1 to level, as its stencil table has it.
+    Stencils stencils(std::uint32_t level) const;
+    // Limit masks on the finest level: 0 position, 1 and 2 the tangents.
+    Stencils limit_stencils(std::uint8_t which) const;
+    // One value a vertex, from level - 1 to level, by OpenSubdiv's primvar refiner.
+    void interpolate(std::uint32_t level, rust::Slice<const double> source, rust::Slice<double> out) const;
+
+    OpenSubdiv::Far::TopologyRefiner const &get() const { return *refiner_; }
+
+private:
+    OpenSubdiv::Far::TopologyLevel level(std::uint32_t level, bool with_child) const;
+
+    std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner_;
+};
+
+std::unique_ptr<Refiner> new_refiner(CageArrays const &cage);
+
+// OpenSubdiv's factorised single-precision table, applied by its CpuEvaluator: the yardstick of the
+// benchmarks.
+class FloatStencilTable {
+public:
+    explicit FloatStencilTable(std::unique_ptr<OpenSubdiv::Far::StencilTable const> table);
+
+    std::size_t num_stencils() const;
+    void evaluate(rust::Slice<const float> source, std::uint32_t width, rust::Slice<float> out) const;
+
+private:
+    std::unique_ptr<OpenSubdiv::Far::StencilTable const> table_;
+};
+
+std::unique_ptr<FloatStencilTable> float_stencil_table(Refiner const &refiner);
+
+} // namespace formwork

@@ -1,0 +1,160 @@
+//! Levels of refinement with their operators.
+
+mod budget;
+mod refinement;
+
+pub use refinement::{Operators, Refinement};
+
+use crate::cochain::{Cochain, Value};
+use crate::osd::{OsdError, Refiner, Tags, MAX_LEVELS};
+use crate::scheme::Scheme;
+use crate::topology::{Cage, Mesh, QuadSplit};
+
+/// A control cage refined a number of times, with the operators between the levels.
+///
+/// Level 0 is the cage. Building it asks OpenSubdiv for each level's topology and masks once; after that
+/// it is plain data, shared freely between threads.
+#[derive(Clone, Debug)]
+pub struct Hierarchy {
+    levels: Vec<Level>,
+    /// `refinements[l]` leads from level `l` to level `l + 1`.
+    refinements: Vec<Refinement>,
+}
+
+/// One level: its complex and OpenSubdiv's tags.
+#[derive(Clone, Debug)]
+pub struct Level {
+    mesh: Mesh,
+    tags: Tags,
+}
+
+impl Level {
+    /// The complex.
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Sharpness, vertex rules and holes.
+    pub fn tags(&self) -> &Tags {
+        &self.tags
+    }
+}
+
+/// Why a hierarchy cannot be built.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+#[allow(missing_docs)] // the messages say what the fields are
+pub enum HierarchyError {
+    #[error("{levels} levels: OpenSubdiv refines at most {MAX_LEVELS}, ask for fewer")]
+    TooManyLevels { levels: usize },
+    #[error("level {level} is too large: {faces} faces are more than 32-bit numbers can index, ask for fewer levels")]
+    TooManyFaces { level: usize, faces: u128 },
+    #[error(
+        "refining to level {level} ({faces} faces) needs about {needed_mib} MiB of memory and {available_mib} MiB are free: ask for fewer levels"
+    )]
+    TooMuchMemory { level: usize, faces: u128, needed_mib: u128, available_mib: u128 },
+    #[error("this OpenSubdiv numbers the children of level {level} in an order that formwork does not know: use version 3.5 or 3.6")]
+    UnknownNumbering { level: usize },
+    #[error(transparent)]
+    Osd(#[from] OsdError),
+}
+
+impl Hierarchy {
+    /// Refines `cage` to level `levels` (0 keeps the cage alone).
+    ///
+    /// # Errors
+    /// If there are too many levels, the result would not fit memory or 32-bit numbers, or OpenSubdiv
+    /// fails.
+    pub fn new(cage: &Cage, scheme: Scheme, levels: usize) -> Result<Self, HierarchyError> {
+        Self::with_progress(cage, scheme, levels, |_| ())
+    }
+
+    /// [`Hierarchy::new`], calling `progress(level)` each time a level is finished.
+    ///
+    /// # Errors
+    /// As for [`Hierarchy::new`].
+    pub fn with_progress(
+        cage: &Cage,
+        scheme: Scheme,
+        levels: usize,
+        mut progress: impl FnMut(usize),
+    ) -> Result<Self, HierarchyError> {
+        let refiner = refiner(cage, levels)?;
+        let level = |l| Ok::<_, OsdError>(Level { mesh: refiner.mesh(l)?, tags: refiner.tags(l)? });
+        let mut hierarchy = Hierarchy { levels: vec![level(0)?], refinements: Vec::new() };
+        progress(0);
+        for l in 1..=levels {
+            let (parent, child) = (hierarchy.finest().mesh(), level(l)?);
+            let split = QuadSplit::of(parent);
+            if !split.describes(parent, &child.mesh) {
+                return Err(HierarchyError::UnknownNumbering { level: l });
+            }
+            let homotopy = scheme.homotopy(parent, &refiner.masks(l - 1)?);
+            hierarchy.refinements.push(Refinement::new(split, homotopy));
+            hierarchy.levels.push(child);
+            progress(l);
+        }
+        Ok(hierarchy)
+    }
+
+    /// The number of the finest level.
+    pub fn num_levels(&self) -> usize {
+        self.refinements.len()
+    }
+
+    /// Level `level`.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn level(&self, level: usize) -> &Level {
+        &self.levels[level]
+    }
+
+    /// The finest level.
+    pub fn finest(&self) -> &Level {
+        &self.levels[self.num_levels()]
+    }
+
+    /// The step from `level - 1` to `level`.
+    ///
+    /// # Panics
+    /// If `level` is 0 or there is no such level.
+    pub fn refinement(&self, level: usize) -> &Refinement {
+        &self.refinements[level - 1]
+    }
+
+    /// Refines a cochain from `level - 1` to `level`, without storing `S0`, `S1` or `S2`.
+    ///
+    /// # Panics
+    /// If `level` is 0 or there is no such level, or the cochain does not belong to `level - 1`.
+    pub fn refine<const K: usize, T: Value>(&self, level: usize, cochain: &Cochain<K, T>) -> Cochain<K, T> {
+        let (parent, child) = (self.level(level - 1).mesh(), self.level(level).mesh());
+        self.refinement(level).apply(parent, child, cochain)
+    }
+
+    /// Refines a cochain of the cage to the finest level.
+    ///
+    /// # Panics
+    /// If the cochain does not belong to the cage.
+    pub fn subdivide<const K: usize, T: Value>(&self, cochain: &Cochain<K, T>) -> Cochain<K, T> {
+        (1..=self.num_levels()).fold(cochain.clone(), |cochain, level| self.refine(level, &cochain))
+    }
+
+    /// The operators from `level - 1` to `level` as matrices.
+    ///
+    /// # Panics
+    /// If `level` is 0 or there is no such level.
+    pub fn operators(&self, level: usize) -> Operators {
+        self.refinement(level).operators(self.level(level - 1).mesh(), self.level(level).mesh())
+    }
+}
+
+/// A refiner of `cage` with `levels` levels, once it is certain that they fit.
+pub(crate) fn refiner(cage: &Cage, levels: usize) -> Result<Refiner, HierarchyError> {
+    budget::check(cage, levels)?;
+    let mut refiner = Refiner::new(cage)?;
+    if levels > 0 {
+        refiner.refine_uniform(levels)?;
+    }
+    Ok(refiner)
+}

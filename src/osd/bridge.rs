@@ -1,0 +1,102 @@
+//! The one bridge to C++: flat arrays in, flat arrays out, every call that can fail a `Result`.
+//!
+//! The only file of the crate that may hold `unsafe` code. The C++ side (`cpp/`) checks every level and
+//! every array length itself, so no argument can make it read or write out of bounds; what it cannot
+//! check is a malformed cage, and [`crate::topology::Cage`] has refused those.
+
+#[cxx::bridge(namespace = "formwork")]
+pub(super) mod ffi {
+    /// A control cage; see `topology::Descriptor`.
+    struct CageArrays<'a> {
+        num_vertices: u32,
+        face_sizes: &'a [u32],
+        face_vertices: &'a [u32],
+        crease_vertices: &'a [u32],
+        crease_sharpness: &'a [f32],
+        corner_vertices: &'a [u32],
+        corner_sharpness: &'a [f32],
+        holes: &'a [u32],
+        boundary: u8,
+        creasing: u8,
+        triangles: u8,
+        left_handed: bool,
+    }
+
+    /// The sizes of one level's arrays.
+    #[derive(Clone, Copy)]
+    struct Counts {
+        vertices: usize,
+        edges: usize,
+        faces: usize,
+        corners: usize,
+    }
+
+    /// One level's incidence, to be filled in.
+    struct TopologyArrays<'a> {
+        face_sizes: &'a mut [u32],
+        face_vertices: &'a mut [u32],
+        face_edges: &'a mut [u32],
+        edge_vertices: &'a mut [u32],
+    }
+
+    /// One level's tags, to be filled in.
+    struct TagArrays<'a> {
+        edge_sharpness: &'a mut [f32],
+        vertex_sharpness: &'a mut [f32],
+        vertex_rule: &'a mut [u8],
+        face_hole: &'a mut [u8],
+    }
+
+    /// The weights of S0 from one level to the next, to be filled in; see `osd::Masks`.
+    struct MaskArrays<'a> {
+        vertex_self: &'a mut [f64],
+        vertex_edge: &'a mut [f64],
+        vertex_face: &'a mut [f64],
+        edge_end: &'a mut [f64],
+        edge_face: &'a mut [f64],
+        parent_rule: &'a mut [u8],
+        child_rule: &'a mut [u8],
+        parent_weight: &'a mut [f64],
+        child_sharp: &'a mut [u8],
+    }
+
+    /// The children of one level's cells, to be filled in.
+    struct ChildArrays<'a> {
+        vertex_vertex: &'a mut [u32],
+        edge_vertex: &'a mut [u32],
+        face_vertex: &'a mut [u32],
+        edge_edges: &'a mut [u32],
+        face_edges: &'a mut [u32],
+        face_faces: &'a mut [u32],
+    }
+
+    /// Sparse rows: row `i` has `sizes[i]` entries.
+    struct Stencils {
+        sizes: Vec<u32>,
+        indices: Vec<u32>,
+        weights: Vec<f64>,
+    }
+
+    unsafe extern "C++" {
+        include!("cpp/refiner.h");
+
+        type Refiner;
+
+        fn new_refiner(cage: &CageArrays) -> Result<UniquePtr<Refiner>>;
+        fn refine_uniform(self: Pin<&mut Refiner>, levels: u32) -> Result<()>;
+        fn counts(self: &Refiner, level: u32) -> Result<Counts>;
+        fn topology(self: &Refiner, level: u32, out: TopologyArrays) -> Result<()>;
+        fn tags(self: &Refiner, level: u32, out: TagArrays) -> Result<()>;
+        fn masks(self: &Refiner, level: u32, out: MaskArrays) -> Result<()>;
+        fn children(self: &Refiner, level: u32, out: ChildArrays) -> Result<()>;
+        fn stencils(self: &Refiner, level: u32) -> Result<Stencils>;
+        fn limit_stencils(self: &Refiner, which: u8) -> Result<Stencils>;
+        fn interpolate(self: &Refiner, level: u32, source: &[f64], out: &mut [f64]) -> Result<()>;
+
+        type FloatStencilTable;
+
+        fn float_stencil_table(refiner: &Refiner) -> Result<UniquePtr<FloatStencilTable>>;
+        fn num_stencils(self: &FloatStencilTable) -> usize;
+        fn evaluate(self: &FloatStencilTable, source: &[f32], width: u32, out: &mut [f32]) -> Result<()>;
+    }
+}

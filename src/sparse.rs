@@ -1,0 +1,248 @@
+//! Sparse operators: one matrix type, one way to assemble it, one way to apply it.
+//!
+//! Every linear map of this crate (`d0`, `d1`, the homotopies `H0`, `H1`, the subdivision operators
+//! `S0`, `S1`, `S2`) is a [`Csr`] matrix, filled row by row through [`assemble`]. Rows are independent
+//! of each other, so the result is bitwise the same for any number of threads.
+
+use rayon::prelude::*;
+
+/// A compressed sparse row matrix in `f64`: 32-bit columns, 64-bit row offsets, columns ascending in
+/// each row, none repeated.
+pub type Csr = sprs::CsMatI<f64, u32, usize>;
+
+/// What a cochain may hold: a number, or a vector of numbers such as a position in R^3.
+///
+/// Implemented for every type with these operations, `f64` and `nalgebra::Vector3<f64>` among them.
+pub trait Value:
+    Copy
+    + Send
+    + Sync
+    + std::ops::Add<Output = Self>
+    + std::ops::Sub<Output = Self>
+    + std::ops::Mul<f64, Output = Self>
+{
+}
+
+impl<T> Value for T where
+    T: Copy
+        + Send
+        + Sync
+        + std::ops::Add<Output = T>
+        + std::ops::Sub<Output = T>
+        + std::ops::Mul<f64, Output = T>
+{
+}
+
+/// Entries at or below this magnitude are rounding left over from terms that cancel exactly: they
+/// are not stored. Subdivision weights are of order 1 and sums of a few dozen terms, so true weights
+/// are far larger and sums of true weights err by less.
+pub const ROUNDING_DUST: f64 = 1e-15;
+
+/// One row under assembly: a sum of terms `weight * column`, in any order and with repeats.
+pub struct Row {
+    // Dense over all columns, so that a repeated column costs one addition and no search. Fresh
+    // pages come zeroed from the system and only those that a row touches are ever mapped.
+    weight: Vec<f64>,
+    listed: Vec<bool>,
+    columns: Vec<u32>,
+}
+
+impl Row {
+    fn new(num_columns: usize) -> Self {
+        Row {
+            weight: vec![0.0; num_columns],
+            listed: vec![false; num_columns],
+            columns: Vec::new(),
+        }
+    }
+
+    /// Adds `weight` to the entry in `column`.
+    ///
+    /// # Panics
+    /// If `column` is out of range.
+    #[inline]
+    pub fn add(&mut self, column: u32, weight: f64) {
+        let c = column as usize;
+        if !self.listed[c] {
+            self.listed[c] = true;
+            self.columns.push(column);
+        }
+        self.weight[c] += weight;
+    }
+
+    /// Adds `scale` times row `row` of `matrix`.
+    pub fn add_row(&mut self, matrix: &Csr, row: usize, scale: f64) {
+        let (columns, weights) = row_of(matrix, row);
+        for (&column, &weight) in columns.iter().zip(weights) {
+            self.add(column, scale * weight);
+        }
+    }
+
+    /// Moves the finished row to the end of `part` and clears this one for the next.
+    fn flush(&mut self, part: &mut Part) {
+        self.columns.sort_unstable();
+        let before = part.columns.len();
+        for &column in &self.columns {
+            let c = column as usize;
+            if self.weight[c].abs() > ROUNDING_DUST {
+                part.columns.push(column);
+                part.weights.push(self.weight[c]);
+            }
+            self.weight[c] = 0.0;
+            self.listed[c] = false;
+        }
+        self.columns.clear();
+        part.row_lengths.push(part.columns.len() - before);
+    }
+}
+
+/// A run of consecutive finished rows.
+#[derive(Default)]
+struct Part {
+    row_lengths: Vec<usize>,
+    columns: Vec<u32>,
+    weights: Vec<f64>,
+}
+
+/// Builds a matrix of `shape = (rows, columns)` by calling `fill(i, row)` once for each row `i`.
+///
+/// Rows are filled in parallel, each by one thread.
+pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) -> Csr {
+    let (rows, columns) = shape;
+    let rows_per_part = (rows / (4 * rayon::current_num_threads())).max(1024);
+    let parts: Vec<Part> = (0..rows.div_ceil(rows_per_part))
+        .into_par_iter()
+        .map(|p| {
+            let range = p * rows_per_part..((p + 1) * rows_per_part).min(rows);
+            let mut part = Part::default();
+            let mut row = Row::new(columns);
+            for i in range {
+                fill(i, &mut row);
+                row.flush(&mut part);
+            }
+            part
+        })
+        .collect();
+
+    let entries = parts.iter().map(|p| p.columns.len()).sum();
+    let mut offsets = Vec::with_capacity(rows + 1);
+    let mut indices = Vec::with_capacity(entries);
+    let mut data = Vec::with_capacity(entries);
+    offsets.push(0);
+    for part in parts {
+        for length in part.row_lengths {
+            offsets.push(offsets.last().unwrap() + length);
+        }
+        indices.extend_from_slice(&part.columns);
+        data.extend_from_slice(&part.weights);
+    }
+    Csr::new(shape, offsets, indices, data)
+}
+
+/// The columns and weights of one row.
+///
+/// # Panics
+/// If `row` is out of range.
+#[inline]
+pub fn row_of(matrix: &Csr, row: usize) -> (&[u32], &[f64]) {
+    let offsets = matrix.indptr();
+    let range = offsets.outer_inds_sz(row);
+    (&matrix.indices()[range.clone()], &matrix.data()[range])
+}
+
+/// `sum_j weights[j] * x[columns[j]]`, or `None` for an empty row.
+#[inline]
+pub fn dot<T: Value>((columns, weights): (&[u32], &[f64]), x: &[T]) -> Option<T> {
+    let terms = columns.iter().zip(weights).map(|(&c, &w)| x[c as usize] * w);
+    terms.reduce(|sum, term| sum + term)
+}
+
+/// `matrix * x`, rows in parallel.
+///
+/// # Panics
+/// If `x` is not as long as the matrix is wide, or is empty.
+pub fn apply<T: Value>(matrix: &Csr, x: &[T]) -> Vec<T> {
+    assert_eq!(matrix.cols(), x.len(), "operator and cochain do not match");
+    let zero = zero(x);
+    (0..matrix.rows())
+        .into_par_iter()
+        .map(|i| dot(row_of(matrix, i), x).unwrap_or(zero))
+        .collect()
+}
+
+/// The zero of the value type of `x`: types such as vectors of a run-time length have no constant one.
+pub(crate) fn zero<T: Value>(x: &[T]) -> T {
+    x[0] * 0.0
+}
+
+/// The largest magnitude of an entry of `a - b`, over all entries.
+///
+/// # Panics
+/// If the shapes differ.
+pub fn max_difference(a: &Csr, b: &Csr) -> f64 {
+    assert_eq!(a.shape(), b.shape(), "matrices of different shapes");
+    let difference = assemble_difference(a, b);
+    difference.into_iter().fold(0.0, f64::max)
+}
+
+fn assemble_difference(a: &Csr, b: &Csr) -> Vec<f64> {
+    (0..a.rows())
+        .into_par_iter()
+        .map(|i| {
+            let ((ca, wa), (cb, wb)) = (row_of(a, i), row_of(b, i));
+            let (mut p, mut q, mut worst) = (0, 0, 0.0f64);
+            while p < ca.len() || q < cb.len() {
+                let left = ca.get(p).copied().unwrap_or(u32::MAX);
+                let right = cb.get(q).copied().unwrap_or(u32::MAX);
+                let x = if left <= right { p += 1; wa[p - 1] } else { 0.0 };
+                let y = if right <= left { q += 1; wb[q - 1] } else { 0.0 };
+                worst = worst.max((x - y).abs());
+            }
+            worst
+        })
+        .collect()
+}
+
+/// The product `a * b`.
+///
+/// # Panics
+/// If `a` is not as wide as `b` is tall.
+pub fn multiply(a: &Csr, b: &Csr) -> Csr {
+    assert_eq!(a.cols(), b.rows(), "matrices that cannot be multiplied");
+    assemble((a.rows(), b.cols()), |i, row| {
+        let (columns, weights) = row_of(a, i);
+        for (&column, &weight) in columns.iter().zip(weights) {
+            row.add_row(b, column as usize, weight);
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(rows: &[&[(u32, f64)]], columns: usize) -> Csr {
+        assemble((rows.len(), columns), |i, row| {
+            for &(column, weight) in rows[i] {
+                row.add(column, weight);
+            }
+        })
+    }
+
+    #[test]
+    fn repeated_terms_add_and_cancelled_terms_vanish() {
+        let m = matrix(&[&[(2, 1.0), (0, 0.5), (2, 2.0)], &[(1, 0.3), (1, -0.3)], &[]], 3);
+        assert_eq!(row_of(&m, 0), (&[0, 2][..], &[0.5, 3.0][..]));
+        assert_eq!(row_of(&m, 1).0.len(), 0);
+        assert_eq!(apply(&m, &[2.0, 7.0, 1.0]), [4.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn product_and_difference_agree_with_hand_values() {
+        let a = matrix(&[&[(0, 1.0), (1, 2.0)], &[(1, -1.0)]], 2);
+        let b = matrix(&[&[(1, 3.0)], &[(0, 1.0), (1, 1.0)]], 2);
+        let expected = matrix(&[&[(0, 2.0), (1, 5.0)], &[(0, -1.0), (1, -1.0)]], 2);
+        assert_eq!(max_difference(&multiply(&a, &b), &expected), 0.0);
+        assert_eq!(max_difference(&a, &b), 2.0);
+    }
+}

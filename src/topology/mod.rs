@@ -1,0 +1,23 @@
+//! Combinatorics without positions: the control cage, the oriented complex, its fans and its split.
+//!
+//! - [`Descriptor`]: what a user hands in, plain data. [`Cage`]: the same, checked.
+//! - [`Mesh`]: vertices, oriented edges and oriented faces of one level, with the ordered fans round
+//!   every vertex and the exterior derivatives `d0`, `d1`.
+//! - [`QuadSplit`]: how the cells of one level become those of the next, and how they are numbered.
+//! - [`Survey`]: counts, Euler characteristic, boundary loops, genus.
+
+mod cage;
+mod descriptor;
+mod half_edge;
+mod mesh;
+mod split;
+mod survey;
+
+pub use cage::{Cage, Element, TopologyError, MAX_FACE_SIZE, MAX_VALENCE};
+pub use descriptor::{
+    BoundaryInterpolation, CollapseReport, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
+};
+pub use half_edge::HalfEdge;
+pub use mesh::{Fan, Mesh, MeshError};
+pub use split::{ChildEdge, Parent, QuadSplit};
+pub use survey::Survey;

@@ -1,0 +1,28 @@
+//! What the tests share: the tolerance of exact laws, meshes, and the folder of OpenSubdiv's shapes.
+#![allow(dead_code)] // each test binary uses its own part
+
+pub mod meshes;
+pub mod shapes;
+
+use formwork::laws::{measure, Report};
+use formwork::scheme::Scheme;
+use formwork::topology::Cage;
+
+/// What holds algebraically is tested to this, relative to weights of order 1.
+pub const EXACT: f64 = 1e-12;
+
+/// Our S0 against OpenSubdiv's own weights.
+pub const SAME_WEIGHTS: f64 = 1e-14;
+
+/// Measures every law and asserts the exact ones.
+pub fn assert_laws(name: &str, cage: &Cage, scheme: Scheme, levels: usize) -> Report {
+    let report = measure(cage, scheme, levels, |_| ()).unwrap_or_else(|error| panic!("{name}: {error}"));
+    for row in &report.levels {
+        assert!(row.worst() <= EXACT, "{name}: {row:?}");
+        assert!(row.s0_minus_opensubdiv <= SAME_WEIGHTS, "{name}: {row:?}");
+    }
+    for row in &report.limit {
+        assert!(row.telescoped_minus_refined <= EXACT, "{name}: {row:?}");
+    }
+    report
+}
