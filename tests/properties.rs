@@ -1,0 +1,92 @@
+//! Laws on random polygon meshes with random creases, corners, boundaries, holes and options.
+
+mod common;
+
+use approx::assert_relative_eq;
+use common::meshes::random_cage;
+use common::{assert_laws, EXACT};
+use formwork::cochain::Cochain;
+use formwork::hierarchy::Hierarchy;
+use formwork::scheme::{DooSabin, Scheme};
+use formwork::sparse::apply;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+fn values(len: usize, seed: u64) -> Vec<f64> {
+    (0..len).map(|i| ((i as u64 * 2_654_435_761 + seed * 40_503) % 10_007) as f64 / 5_003.5 - 1.0).collect()
+}
+
+fn assert_close(a: &[f64], b: &[f64]) {
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(b) {
+        assert_relative_eq!(*a, *b, epsilon = EXACT, max_relative = EXACT);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn laws_hold(cage in random_cage(), original in any::<bool>()) {
+        let weights = if original { DooSabin::Original } else { DooSabin::Thesis };
+        assert_laws("random", &cage, Scheme::Catmark(weights), 3);
+    }
+
+    /// Applying form (A) is applying the matrices, for every degree, and commutes.
+    #[test]
+    fn refining_without_matrices_is_refining_with_them(cage in random_cage(), seed in 0u64..1000) {
+        let hierarchy = Hierarchy::new(&cage, Scheme::default(), 2).unwrap();
+        for level in 1..=2 {
+            let (parent, child) = (hierarchy.level(level - 1).mesh(), hierarchy.level(level).mesh());
+            let operators = hierarchy.operators(level);
+            let x = Cochain::<0>::new(values(parent.num_vertices(), seed));
+            let c = Cochain::<1>::new(values(parent.num_edges(), seed));
+            let density = Cochain::<2>::new(values(parent.num_faces(), seed));
+            assert_close(hierarchy.refine(level, &x).values(), &apply(&operators.s0, x.values()));
+            assert_close(hierarchy.refine(level, &c).values(), &apply(&operators.s1, c.values()));
+            assert_close(hierarchy.refine(level, &density).values(), &apply(&operators.s2, density.values()));
+
+            let refined = hierarchy.refine(level, &c).exterior_derivative(child);
+            assert_close(refined.values(), hierarchy.refine(level, &c.exterior_derivative(parent)).values());
+            let refined = hierarchy.refine(level, &x).exterior_derivative(child);
+            assert_close(refined.values(), hierarchy.refine(level, &x.exterior_derivative(parent)).values());
+            // Flux is kept.
+            let total = |density: &Cochain<2>| density.values().iter().sum::<f64>();
+            prop_assert!((total(&hierarchy.refine(level, &density)) - total(&density)).abs() < EXACT * density.len() as f64);
+        }
+    }
+
+    /// A vector-valued cochain is three numbers side by side.
+    #[test]
+    fn positions_refine_like_their_coordinates(cage in random_cage()) {
+        let hierarchy = Hierarchy::new(&cage, Scheme::default(), 2).unwrap();
+        let coordinates: Vec<Cochain<0>> =
+            (0..3).map(|seed| Cochain::new(values(cage.descriptor().num_vertices, seed))).collect();
+        let positions: Cochain<0, Vector3<f64>> = Cochain::new(
+            (0..coordinates[0].len()).map(|v| Vector3::from_fn(|i, _| coordinates[i][v])).collect(),
+        );
+        let refined = hierarchy.subdivide(&positions);
+        for (i, coordinate) in coordinates.iter().enumerate() {
+            let column: Vec<f64> = refined.values().iter().map(|p| p[i]).collect();
+            prop_assert_eq!(column, hierarchy.subdivide(coordinate).into_values());
+        }
+    }
+}
+
+#[test]
+fn results_are_bitwise_the_same_for_any_number_of_threads() {
+    let cage = formwork::topology::Cage::new(common::meshes::grid(60, 60, false)).unwrap();
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let hierarchy = Hierarchy::new(&cage, Scheme::default(), 2).unwrap();
+            let form = Cochain::<1>::new(values(hierarchy.level(0).mesh().num_edges(), 7));
+            let operators = hierarchy.operators(2);
+            (hierarchy.subdivide(&form).into_values(), operators.s1, operators.s2)
+        })
+    };
+    let one = run(1);
+    for threads in [2, 5] {
+        assert!(run(threads) == one, "{threads} threads differ from one");
+    }
+}
