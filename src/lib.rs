@@ -1,11 +1,65 @@
-//! Formwork: smooth differential forms on OpenSubdiv surfaces.
+//! Smooth differential forms on subdivision surfaces, for OpenSubdiv pipelines.
+//!
+//! OpenSubdiv refines values on vertices (0-forms). This crate also refines values on oriented edges
+//! (1-forms: tangent vector fields, circulations) and on faces (2-forms: fluxes, densities), so that the
+//! three commute with the exterior derivative exactly:
+//!
+//! ```text
+//! d0' S0 = S1 d0        d1' S1 = S2 d1
+//! ```
+//!
+//! It follows Ke Wang, "A Subdivision Approach to the Construction of Smooth Differential Forms" (PhD
+//! thesis, Caltech 2008), and covers every mesh that OpenSubdiv's Catmull-Clark takes.
+//!
+//! # A tour
+//!
+//! A [`topology::Cage`] is a checked control mesh. A [`hierarchy::Hierarchy`] refines it and carries
+//! [`cochain::Cochain`]s from level to level, without storing matrices; [`hierarchy::Hierarchy::operators`]
+//! gives the matrices to those who want them.
+//!
+//! ```
+//! use formwork::cochain::Cochain;
+//! use formwork::hierarchy::Hierarchy;
+//! use formwork::scheme::Scheme;
+//! use formwork::topology::{Cage, Descriptor};
+//!
+//! let cube = Cage::new(Descriptor {
+//!     num_vertices: 8,
+//!     face_sizes: vec![4; 6],
+//!     face_vertices: vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 1, 3, 7, 5, 3, 2, 6, 7, 2, 0, 4, 6],
+//!     ..Default::default()
+//! })?;
+//! let hierarchy = Hierarchy::new(&cube, Scheme::default(), 2)?;
+//!
+//! // A circulation of 1 along every edge of the cube, in the edge's direction.
+//! let form = Cochain::<1>::new(vec![1.0; 12]);
+//! let smooth = hierarchy.subdivide(&form);
+//! assert_eq!(smooth.len(), hierarchy.finest().mesh().num_edges());
+//!
+//! // Refining its derivative is deriving its refinement.
+//! let a = hierarchy.subdivide(&form.exterior_derivative(hierarchy.level(0).mesh()));
+//! let b = smooth.exterior_derivative(hierarchy.finest().mesh());
+//! assert!(a.values().iter().zip(b.values()).all(|(a, b)| (a - b).abs() < 1e-14));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Modules import downwards only: `sparse`, `topology`, `osd`; then `cochain`, `field`, `io`; then
+//! `scheme`; `hierarchy`; `laws`. `ARCHITECTURE.md` draws them.
+
+#![deny(unsafe_code)]
+#![warn(missing_docs)]
 
 pub mod cochain;
+pub mod field;
 pub mod hierarchy;
 pub mod io;
-pub mod field;
 pub mod laws;
 pub mod osd;
 pub mod scheme;
 pub mod sparse;
 pub mod topology;
+
+/// Runs the examples of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -4,6 +4,7 @@
 //! level's incidence (as a [`Mesh`]), tags and S0 masks while a hierarchy is built, and for its own
 //! stencils and limits when results are checked against it.
 
+#[allow(unsafe_code)]
 mod bridge;
 
 use bridge::ffi;

@@ -16,10 +16,14 @@ pub enum DooSabin {
 
 impl DooSabin {
     /// `alpha_0 .. alpha_{k-1}`. For `k` = 1 and 2 the indices `+1` and `-1` coincide and their terms add.
+    ///
+    /// # Panics
+    /// If `k` is 0.
     pub fn weights(self, k: usize) -> Vec<f64> {
         let n = k as f64;
         match self {
             DooSabin::Thesis => circulant(k, 0.5, 0.125, |_| 0.25 / n),
+            DooSabin::Original if k == 1 => vec![1.0], // the cosines sum to 0 from k = 2 on only
             DooSabin::Original => {
                 circulant(k, 0.25, 0.0, |j| (3.0 + 2.0 * (TAU * j as f64 / n).cos()) / (4.0 * n))
             }

@@ -267,7 +267,7 @@ mod tests {
         assert!(Cage::new(strip()).is_ok());
         assert_eq!(refused(|d| d.num_vertices = 0), E::NoVertices);
         assert_eq!(refused(|d| d.face_sizes.clear()), E::NoFaces);
-        assert_eq!(refused(|d| drop(d.face_vertices.pop())), E::FaceSizeSum { expected: 8, actual: 7 });
+        assert_eq!(refused(|d| d.face_vertices.truncate(7)), E::FaceSizeSum { expected: 8, actual: 7 });
         assert_eq!(refused(|d| (d.face_sizes[0], d.face_sizes[1]) = (2, 6)), E::FaceTooSmall { face: 0, size: 2 });
         assert_eq!(
             refused(|d| d.face_vertices[6] = 7),

@@ -66,7 +66,7 @@ pub fn random_cage() -> impl Strategy<Value = Cage> {
 
 /// A grid with each cell treated as its number says: 0 missing, 1 and 2 cut along a diagonal, 3 merged
 /// with its right neighbour if that is whole, else left whole.
-fn cut_grid(nx: u32, ny: u32, torus: bool, cuts: &[u8]) -> Descriptor {
+pub fn cut_grid(nx: u32, ny: u32, torus: bool, cuts: &[u8]) -> Descriptor {
     let base = grid(nx, ny, torus);
     let mut cells: Vec<Option<[u32; 4]>> =
         base.face_vertices.chunks_exact(4).map(|c| Some([c[0], c[1], c[2], c[3]])).collect();
