@@ -1,0 +1,103 @@
+//! From arguments to a job: the cage loaded, mended and checked, options settled, outputs known to be
+//! writable. Whatever can go wrong without computing goes wrong here.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use formwork::io::{Asset, atomic::Draft, obj};
+use formwork::scheme::Scheme;
+use formwork::topology::{Cage, CollapseReport};
+
+use crate::Failure;
+use crate::args::Common;
+
+/// A checked cage with everything that decides how it is refined.
+pub struct Job {
+    /// The file's cage, after `--collapse` and with the options of the command line.
+    pub asset: Asset,
+    /// The same, checked.
+    pub cage: Cage,
+    pub scheme: Scheme,
+    pub collapse: CollapseReport,
+    /// Whether to draw a progress bar if stderr is a terminal.
+    pub progress: bool,
+}
+
+impl Job {
+    /// Loads and checks the cage.
+    pub fn settle(common: &Common, scheme: Scheme) -> Result<Self, Failure> {
+        let mut asset = obj::read(&common.mesh)?;
+        asset.descriptor.left_handed |= common.left_handed;
+        if let Some(boundary) = common.boundary {
+            asset.descriptor.boundary = boundary;
+        }
+        if let Some(creasing) = common.creasing {
+            asset.descriptor.creasing = creasing;
+        }
+        if let Some(triangles) = common.triangles {
+            asset.descriptor.triangles = triangles;
+        }
+        let collapse = match common.collapse {
+            true => asset.collapse(),
+            false => CollapseReport::default(),
+        };
+        let cage = asset.cage()?;
+        asset.notes.extend(collapse_note(&collapse));
+        let progress = !common.quiet && !common.json;
+        Ok(Job { asset, cage, scheme, collapse, progress })
+    }
+}
+
+fn collapse_note(report: &CollapseReport) -> Option<String> {
+    if report.is_empty() {
+        return None;
+    }
+    let mut note = format!("collapsed: {} lost repeated vertices", faces(report.reduced.len()));
+    if !report.removed.is_empty() {
+        note += &format!(
+            " and {} with fewer than three left went; the faces after face {} have lower numbers",
+            faces(report.removed.len()),
+            report.removed[0]
+        );
+    }
+    Some(note)
+}
+
+fn faces(count: usize) -> String {
+    if count == 1 { "1 face".to_owned() } else { format!("{count} faces") }
+}
+
+/// The extension of an output file, one of `supported` (lower case, without the dot).
+pub fn format_of(path: &Path, supported: &[&'static str]) -> Result<&'static str, Failure> {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    let known = supported.iter().find(|&&known| extension.as_deref() == Some(known));
+    let names: Vec<String> = supported.iter().map(|known| format!(".{known}")).collect();
+    known.copied().ok_or_else(|| {
+        let problem = match extension {
+            None => "has no extension".to_owned(),
+            Some(extension) => format!("has the extension .{extension}, which is not written here"),
+        };
+        format!("{}: {problem}: choose {}", path.display(), names.join(", ")).into()
+    })
+}
+
+/// Makes sure that every output can be written and none is an input, before any work is done.
+pub fn check_outputs(inputs: &[&Path], outputs: &[PathBuf]) -> Result<(), Failure> {
+    for output in outputs {
+        // The same file may be spelled in many ways.
+        let same = |input: &&&Path| {
+            **input == output
+                || fs::canonicalize(input).is_ok_and(|a| fs::canonicalize(output).is_ok_and(|b| a == b))
+        };
+        if let Some(input) = inputs.iter().find(same) {
+            return Err(format!(
+                "{}: the output would replace the input {}: choose another name",
+                output.display(),
+                input.display()
+            )
+            .into());
+        }
+        drop(Draft::open(output)?);
+    }
+    Ok(())
+}

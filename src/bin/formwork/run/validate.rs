@@ -1,0 +1,61 @@
+use formwork::laws::{self, Report};
+use formwork::scheme::Scheme;
+use serde_json::json;
+
+use super::{Outcome, progress_bar, work};
+use crate::Failure;
+use crate::args::Validate;
+use crate::job::Job;
+
+pub fn run(args: &Validate) -> Result<Outcome, Failure> {
+    let levels = usize::from(args.levels);
+    let job = Job::settle(&args.common, Scheme::Catmark(args.common.doo_sabin))?;
+    let bar = progress_bar(job.progress, levels, "measuring");
+    let report = laws::measure(&job.cage, job.scheme, levels, |level| bar.set_position(work(level)))?;
+    let json = json!({
+        "command": "validate",
+        "mesh": job.asset.name,
+        "levels": report.levels,
+        "limit": report.limit,
+        "tolerance": report.tolerance,
+        "worst": report.worst(),
+        "holds": report.holds(),
+    });
+    Ok(Outcome { text: table(&job.asset.name, &report), json, notes: job.asset.notes, holds: report.holds() })
+}
+
+fn table(name: &str, report: &Report) -> String {
+    let mut text = format!("{name}\n\nExact laws, largest deviation\n");
+    text += "level   d0 S0 - S1 d0   d1 S1 - S2 d1   column sums of S2 - 1   S0 - OpenSubdiv's S0\n";
+    for row in &report.levels {
+        text += &format!(
+            "{:>5}   {:>13}   {:>13}   {:>21}   {:>20}\n",
+            row.level,
+            short(row.d0_s0_minus_s1_d0),
+            short(row.d1_s1_minus_s2_d1),
+            short(row.s2_column_sum_minus_1),
+            short(row.s0_minus_opensubdiv)
+        );
+    }
+    text += "\nA refined differential, summed along each control edge\n";
+    text += "level   - OpenSubdiv's refined values   - OpenSubdiv's limit values   rate\n";
+    for row in &report.limit {
+        let rate = row.rate.map_or("-".to_owned(), |rate| format!("{rate:.2}"));
+        text += &format!(
+            "{:>5}   {:>29}   {:>27}   {rate:>4}\n",
+            row.level,
+            short(row.telescoped_minus_refined),
+            short(row.telescoped_minus_limit)
+        );
+    }
+    let verdict = if report.holds() { "OK" } else { "FAIL" };
+    text + &format!(
+        "\nCommutation d S = S d: worst deviation {}, tolerance {:.0e}: {verdict}\n",
+        short(report.worst()),
+        report.tolerance
+    )
+}
+
+fn short(deviation: f64) -> String {
+    if deviation == 0.0 { "0".to_owned() } else { format!("{deviation:.1e}") }
+}

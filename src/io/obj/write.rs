@@ -1,0 +1,44 @@
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use crate::io::atomic::Draft;
+use crate::io::{IoError, Surface, fields};
+
+/// Writes a refined mesh: `v` and `f` lines, numbers that read back to the same bits.
+///
+/// OBJ has no place for forms. If the surface has some, they go to a second file, [`fields_path`], with
+/// the indices of the written mesh. Returns the paths written.
+///
+/// # Errors
+/// [`IoError::Write`]; neither file is then left half written.
+pub fn write(path: &Path, surface: &Surface) -> Result<Vec<PathBuf>, IoError> {
+    let mut mesh = Draft::open(path)?;
+    mesh.write(|out| {
+        for x in surface.positions().values() {
+            writeln!(out, "v {} {} {}", x.x, x.y, x.z)?;
+        }
+        for face in surface.faces() {
+            write!(out, "f")?;
+            for &v in surface.mesh().face_vertices(face) {
+                write!(out, " {}", v + 1)?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })?;
+    if surface.fields().is_empty() {
+        mesh.publish()?;
+        return Ok(vec![path.to_owned()]);
+    }
+    let forms_path = fields_path(path);
+    let mut forms = Draft::open(&forms_path)?;
+    forms.write(|out| fields::write_to(out, surface))?;
+    forms.publish()?;
+    mesh.publish()?;
+    Ok(vec![path.to_owned(), forms_path])
+}
+
+/// Where [`write()`] puts the forms: `box.obj` -> `box.fields.json`.
+pub fn fields_path(path: &Path) -> PathBuf {
+    path.with_extension("fields.json")
+}
