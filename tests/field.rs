@@ -7,13 +7,13 @@ use common::meshes::{fan, grid, polygons};
 use formwork::cochain::Cochain;
 use formwork::field::{face_centres, face_vectors, vertex_normals, vertex_vectors};
 use formwork::hierarchy::Hierarchy;
-use formwork::osd::Refiner;
+use formwork::osd::{OsdScheme, Refiner};
 use formwork::scheme::Scheme;
 use formwork::topology::{Cage, Descriptor, Mesh};
 use nalgebra::Vector3;
 
 fn mesh(descriptor: Descriptor) -> Mesh {
-    Refiner::new(&Cage::new(descriptor).unwrap()).unwrap().mesh(0).unwrap()
+    Refiner::new(&Cage::new(descriptor).unwrap(), OsdScheme::Catmark).unwrap().mesh(0).unwrap()
 }
 
 /// The integral of a constant covector along every edge.

@@ -3,13 +3,13 @@
 mod common;
 
 use common::meshes::{fan, grid, polygons, random_cage};
-use formwork::osd::Refiner;
+use formwork::osd::{OsdScheme, Refiner};
 use formwork::sparse::multiply;
 use formwork::topology::{Cage, Descriptor, HalfEdge, Mesh, Survey};
 use proptest::prelude::*;
 
 fn mesh(descriptor: Descriptor) -> Mesh {
-    Refiner::new(&Cage::new(descriptor).unwrap()).unwrap().mesh(0).unwrap()
+    Refiner::new(&Cage::new(descriptor).unwrap(), OsdScheme::Catmark).unwrap().mesh(0).unwrap()
 }
 
 fn survey(descriptor: Descriptor) -> Survey {
@@ -22,7 +22,7 @@ proptest! {
     /// Every corner lies in one fan; neighbours in a fan share the spoke between them.
     #[test]
     fn fans_hang_together(cage in random_cage()) {
-        let mesh = Refiner::new(&cage).unwrap().mesh(0).unwrap();
+        let mesh = Refiner::new(&cage, OsdScheme::Catmark).unwrap().mesh(0).unwrap();
         let mut seen = vec![0; mesh.num_corners()];
         for v in 0..mesh.num_vertices() as u32 {
             for fan in mesh.fans(v) {
@@ -50,7 +50,7 @@ proptest! {
 
     #[test]
     fn the_boundary_of_a_boundary_is_empty(cage in random_cage()) {
-        let mut refiner = Refiner::new(&cage).unwrap();
+        let mut refiner = Refiner::new(&cage, OsdScheme::Catmark).unwrap();
         refiner.refine_uniform(1).unwrap();
         for level in 0..2 {
             let mesh = refiner.mesh(level).unwrap();

@@ -6,84 +6,19 @@
 
 mod common;
 
-use std::collections::BTreeMap;
-
 use approx::assert_abs_diff_eq;
 use common::meshes::{fan, grid, polygons};
-use formwork::hierarchy::{Hierarchy, Operators};
+use common::step::{assert_row, Step, WEIGHT};
 use formwork::scheme::{DooSabin, Scheme};
-use formwork::sparse::row_of;
-use formwork::topology::{BoundaryInterpolation, Cage, Crease, Descriptor, HalfEdge, Mesh, Parent, TriangleSubdivision};
+use formwork::topology::{BoundaryInterpolation, Crease, Descriptor, TriangleSubdivision};
 
-const WEIGHT: f64 = 1e-15;
-
-/// One step of refinement, with rows named by cells of the cage.
-struct Step {
-    hierarchy: Hierarchy,
-    operators: Operators,
-}
-
-impl Step {
-    fn new(descriptor: Descriptor, weights: DooSabin) -> Self {
-        let cage = Cage::new(descriptor).unwrap();
-        let hierarchy = Hierarchy::new(&cage, Scheme::Catmark(weights), 1).unwrap();
-        let operators = hierarchy.operators(1);
-        Step { hierarchy, operators }
-    }
-
-    fn mesh(&self) -> &Mesh {
-        self.hierarchy.level(0).mesh()
-    }
-
-    fn edge(&self, a: u32, b: u32) -> HalfEdge {
-        self.mesh().find_half_edge(a, b).unwrap()
-    }
-
-    /// The row of S1 along the child edge between the children of two cells, as directed coarse edges.
-    fn s1(&self, from: Parent, to: Parent) -> BTreeMap<(u32, u32), f64> {
-        let split = self.hierarchy.refinement(1).split();
-        let child = self.hierarchy.level(1).mesh();
-        let h = child.find_half_edge(split.vertex_of(from), split.vertex_of(to)).unwrap();
-        let (columns, weights) = row_of(&self.operators.s1, h.edge() as usize);
-        let directed = |(&e, &w): (&u32, &f64)| {
-            let [a, b] = self.mesh().edges()[e as usize];
-            if w * h.sign() < 0.0 { ((b, a), w.abs()) } else { ((a, b), w.abs()) }
-        };
-        columns.iter().zip(weights).map(directed).collect()
-    }
-
-    /// `v -> m(v, w)`.
-    fn even(&self, v: u32, w: u32) -> BTreeMap<(u32, u32), f64> {
-        self.s1(Parent::Vertex(v), Parent::Edge(self.edge(v, w).edge()))
-    }
-
-    /// `m(a, b) -> p_f`, f being left of a -> b.
-    fn odd(&self, a: u32, b: u32) -> BTreeMap<(u32, u32), f64> {
-        let h = self.edge(a, b);
-        let face = self.mesh().corner_face(self.mesh().left_corner(h).unwrap());
-        self.s1(Parent::Edge(h.edge()), Parent::Face(face))
-    }
-
-    /// The row of S2 of the child of face `f` at vertex `v`, by coarse face.
-    fn s2(&self, f: u32, v: u32) -> BTreeMap<u32, f64> {
-        let mesh = self.mesh();
-        let corner = mesh.corners(f).find(|&c| mesh.corner_vertex(c) == v).unwrap();
-        let (columns, weights) = row_of(&self.operators.s2, corner as usize);
-        columns.iter().copied().zip(weights.iter().copied()).collect()
-    }
-}
-
-fn assert_row<K: Ord + Copy + std::fmt::Debug>(row: &BTreeMap<K, f64>, expected: &[(K, f64)]) {
-    let expected: BTreeMap<K, f64> = expected.iter().copied().filter(|(_, w)| *w != 0.0).collect();
-    assert_eq!(row.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>(), "{row:?} {expected:?}");
-    for (key, &weight) in &expected {
-        assert_abs_diff_eq!(row[key], weight, epsilon = WEIGHT);
-    }
+fn catmark(descriptor: Descriptor, weights: DooSabin) -> Step {
+    Step::new(descriptor, Scheme::Catmark(weights))
 }
 
 /// Both choices of face weights are regular where the mesh is.
 fn both(descriptor: &Descriptor) -> [Step; 2] {
-    [DooSabin::Thesis, DooSabin::Original].map(|weights| Step::new(descriptor.clone(), weights))
+    [DooSabin::Thesis, DooSabin::Original].map(|weights| catmark(descriptor.clone(), weights))
 }
 
 /// The vertex of a 8 x 8 torus at `(3 + i, 3 + j)`.
@@ -138,7 +73,7 @@ fn extraordinary_vertices_follow_appendix_c() {
                     m => xi[m] + xi[k - m],
                 }
         };
-        let step = Step::new(fan(&vec![4; k]), DooSabin::Thesis);
+        let step = catmark(fan(&vec![4; k]), DooSabin::Thesis);
         let w = |m: usize| 1 + (m % k) as u32;
         let q = |m: usize| (1 + k + m % k) as u32;
         for spoke in 0..k {
@@ -166,7 +101,7 @@ fn extraordinary_vertices_follow_appendix_c() {
 #[test]
 fn doo_and_sabins_own_weights_are_an_option() {
     for k in 3..=12usize {
-        let step = Step::new(fan(&vec![4; k]), DooSabin::Original);
+        let step = catmark(fan(&vec![4; k]), DooSabin::Original);
         let alpha = |j: usize| {
             let turn = std::f64::consts::TAU * j as f64 / k as f64;
             if j == 0 { (k as f64 + 5.0) / (4.0 * k as f64) } else { (3.0 + 2.0 * turn.cos()) / (4.0 * k as f64) }
@@ -180,7 +115,7 @@ fn doo_and_sabins_own_weights_are_an_option() {
 #[test]
 fn polygons_share_by_their_number_of_corners() {
     let sizes = [3, 4, 5, 6, 4];
-    let step = Step::new(fan(&sizes), DooSabin::Thesis);
+    let step = catmark(fan(&sizes), DooSabin::Thesis);
     let gamma = 1.0 / 20.0;
     let alpha = [0.5 + gamma, 0.125 + gamma, gamma, gamma, 0.125 + gamma];
     let row = step.s2(2, 0);
@@ -188,7 +123,7 @@ fn polygons_share_by_their_number_of_corners() {
     assert_row(&row, &expected);
 
     // A lone pentagon: no face beyond its edges, so the odd child is the Whitney lift, (n - 2t)/(2n).
-    let step = Step::new(polygons(5, &[vec![0, 1, 2, 3, 4]]), DooSabin::Thesis);
+    let step = catmark(polygons(5, &[vec![0, 1, 2, 3, 4]]), DooSabin::Thesis);
     assert_row(&step.odd(0, 1), &[((1, 2), 0.3), ((2, 3), 0.1), ((4, 3), 0.1), ((0, 4), 0.3)]);
 }
 
@@ -214,9 +149,9 @@ fn boundary_rows_are_splines_reflected_evenly() {
 /// At the boundary vertex of the corner face, `EdgeOnly` rounds and `EdgeAndCorner` keeps.
 #[test]
 fn corners_keep_half_of_their_edges() {
-    let step = |boundary| Step::new(Descriptor { boundary, ..grid(3, 3, false) }, DooSabin::Thesis);
-    assert_row(&step(BoundaryInterpolation::EdgeAndCorner).even(0, 1), &[((0, 1), 0.5)]);
-    assert_row(&step(BoundaryInterpolation::EdgeOnly).even(0, 1), &[((0, 1), 3.0 / 8.0), ((4, 0), 1.0 / 8.0)]);
+    let corner = |boundary| catmark(Descriptor { boundary, ..grid(3, 3, false) }, DooSabin::Thesis);
+    assert_row(&corner(BoundaryInterpolation::EdgeAndCorner).even(0, 1), &[((0, 1), 0.5)]);
+    assert_row(&corner(BoundaryInterpolation::EdgeOnly).even(0, 1), &[((0, 1), 3.0 / 8.0), ((4, 0), 1.0 / 8.0)]);
 }
 
 fn creased_torus(sharpness: f32) -> Descriptor {
@@ -241,7 +176,7 @@ fn creases_are_boundaries_from_both_sides() {
 /// OpenSubdiv blends the rules of a crease that decays within the step; so do S1 and S2, entry by entry.
 #[test]
 fn fractional_creases_blend_linearly() {
-    let [blended, sharp, smooth] = [0.3, 10.0, 0.0].map(|s| Step::new(creased_torus(s), DooSabin::Thesis).operators);
+    let [blended, sharp, smooth] = [0.3, 10.0, 0.0].map(|s| catmark(creased_torus(s), DooSabin::Thesis).operators);
     let p = f64::from(0.3f32);
     for (blended, sharp, smooth) in
         [(&blended.s0, &sharp.s0, &smooth.s0), (&blended.s1, &sharp.s1, &smooth.s1), (&blended.s2, &sharp.s2, &smooth.s2)]
@@ -272,7 +207,7 @@ fn darts_are_smooth_vertices_with_one_sharp_edge() {
 
 #[test]
 fn smooth_triangle_rule_changes_the_weight_of_faces() {
-    let two = |triangles| Step::new(Descriptor { triangles, ..polygons(4, &[vec![0, 1, 2], vec![1, 0, 3]]) }, DooSabin::Thesis);
+    let two = |triangles| catmark(Descriptor { triangles, ..polygons(4, &[vec![0, 1, 2], vec![1, 0, 3]]) }, DooSabin::Thesis);
     for (rule, tau) in [(TriangleSubdivision::Catmark, 0.25), (TriangleSubdivision::Smooth, 0.47)] {
         let (own, beyond) = ((1.0 - tau) / 6.0, tau / 6.0);
         assert_row(&two(rule).odd(0, 1), &[((1, 2), own), ((0, 2), own), ((3, 1), beyond), ((3, 0), beyond)]);

@@ -3,7 +3,7 @@
 //! - [`Descriptor`]: what a user hands in, plain data. [`Cage`]: the same, checked.
 //! - [`Mesh`]: vertices, oriented edges and oriented faces of one level, with the ordered fans round
 //!   every vertex and the exterior derivatives `d0`, `d1`.
-//! - [`QuadSplit`]: how the cells of one level become those of the next, and how they are numbered.
+//! - [`Split`]: how the cells of one level become those of the next, and how they are numbered.
 //! - [`Survey`]: counts, Euler characteristic, boundary loops, genus.
 
 mod cage;
@@ -19,5 +19,5 @@ pub use descriptor::{
 };
 pub use half_edge::HalfEdge;
 pub use mesh::{Fan, Mesh, MeshError};
-pub use split::{ChildEdge, Parent, QuadSplit};
+pub use split::{ChildEdge, Parent, Split, SplitKind};
 pub use survey::Survey;
