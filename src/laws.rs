@@ -9,7 +9,7 @@
 use serde::Serialize;
 
 use crate::cochain::Cochain;
-use crate::hierarchy::{refiner, Hierarchy, HierarchyError};
+use crate::hierarchy::{Hierarchy, HierarchyError, refiner};
 use crate::osd::Refiner;
 use crate::scheme::Scheme;
 use crate::sparse::{apply, max_difference, multiply};
@@ -127,7 +127,10 @@ fn exact_laws(
     Ok(LevelLaws {
         level,
         d0_s0_minus_s1_d0: max_difference(&multiply(&child.d0(), s0), &multiply(&ours.s1, &parent.d0())),
-        d1_s1_minus_s2_d1: max_difference(&multiply(&child.d1(), &ours.s1), &multiply(&ours.s2, &parent.d1())),
+        d1_s1_minus_s2_d1: max_difference(
+            &multiply(&child.d1(), &ours.s1),
+            &multiply(&ours.s2, &parent.d1()),
+        ),
         s2_column_sum_minus_1: column_sums.iter().map(|sum| (sum - 1.0).abs()).fold(0.0, worse),
         s0_minus_opensubdiv: theirs.as_ref().map(|theirs| max_difference(&ours.s0, theirs)),
     })

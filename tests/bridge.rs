@@ -5,11 +5,15 @@ mod common;
 
 use common::meshes::{fan, grid, polygons};
 use formwork::osd::{OsdScheme, Refiner};
-use formwork::topology::{BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision};
+use formwork::topology::{
+    BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
+};
 
 fn zoo() -> Vec<(&'static str, Descriptor)> {
     let creased = |creasing| Descriptor {
-        creases: [(0, 1, 0.4), (1, 2, 2.5), (7, 8, 10.0), (8, 9, 1.0)].map(|(a, b, sharpness)| Crease { vertices: [a, b], sharpness }).into(),
+        creases: [(0, 1, 0.4), (1, 2, 2.5), (7, 8, 10.0), (8, 9, 1.0)]
+            .map(|(a, b, sharpness)| Crease { vertices: [a, b], sharpness })
+            .into(),
         corners: vec![Corner { vertex: 13, sharpness: 1.5 }],
         holes: vec![3],
         creasing,

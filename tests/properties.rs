@@ -4,7 +4,7 @@ mod common;
 
 use approx::assert_relative_eq;
 use common::meshes::{random_cage, random_triangles};
-use common::{assert_laws, triangle_schemes, EXACT};
+use common::{EXACT, assert_laws, triangle_schemes};
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::scheme::{DooSabin, Scheme};

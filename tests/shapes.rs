@@ -1,8 +1,9 @@
-//! Every exact law, on every shape of OpenSubdiv's regression suite, three levels deep.
+//! Every exact law, three levels deep, on every bundled asset and every shape of OpenSubdiv's regression
+//! suite.
 
 mod common;
 
-use common::shapes::{shapes, Shape};
+use common::shapes::{Shape, shapes};
 use common::{assert_laws, triangle_schemes};
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
@@ -32,7 +33,8 @@ fn assert_laws_on_shapes(family: &str, schemes: &[Scheme]) {
         for (i, &scheme) in schemes.iter().enumerate() {
             let report = assert_laws(&shape.name, &cage, scheme, if i == 0 { 3 } else { 1 });
             worst = worst.max(report.worst());
-            worst_s0 = report.levels.iter().filter_map(|row| row.s0_minus_opensubdiv).fold(worst_s0, f64::max);
+            worst_s0 =
+                report.levels.iter().filter_map(|row| row.s0_minus_opensubdiv).fold(worst_s0, f64::max);
         }
     }
     println!("{} {family} shapes: worst law {worst:.1e}, worst S0 weight {worst_s0:.1e}", shapes.len());
@@ -56,9 +58,30 @@ fn laws_hold_on_every_bilinear_shape() {
 }
 
 #[test]
+fn laws_hold_on_every_asset() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let mut meshes = 0;
+    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.extension().is_none_or(|extension| extension != "obj") {
+            continue;
+        }
+        let cage = formwork::io::obj::read(&path).unwrap().cage().unwrap();
+        let mut schemes = vec![Scheme::default(), Scheme::Catmark(DooSabin::Original), Scheme::Bilinear];
+        schemes.extend(triangle_schemes());
+        schemes.retain(|scheme| scheme.split(&cage.descriptor().face_sizes).is_ok());
+        for &scheme in &schemes {
+            assert_laws(&path.display().to_string(), &cage, scheme, 3);
+        }
+        meshes += 1;
+    }
+    assert!(meshes >= 7);
+}
+
+#[test]
 fn numbering_and_parents_are_opensubdivs() {
     let loop_ = triangle_schemes()[1];
-    for (family, scheme) in [("catmark", Scheme::default()), ("loop", loop_), ("bilinear", Scheme::Bilinear)] {
+    for (family, scheme) in [("catmark", Scheme::default()), ("loop", loop_), ("bilinear", Scheme::Bilinear)]
+    {
         let Some(shapes) = shapes(family) else { return };
         for shape in &shapes {
             assert_numbering(shape, scheme);

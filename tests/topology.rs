@@ -76,7 +76,10 @@ fn surfaces_are_recognised() {
     assert_eq!(torus.valences, [(4, 20)]);
 
     let disk = survey(grid(3, 2, false));
-    assert_eq!((disk.euler_characteristic, disk.genus, disk.boundary_loops, disk.boundary_edges), (1, Some(0), 1, 10));
+    assert_eq!(
+        (disk.euler_characteristic, disk.genus, disk.boundary_loops, disk.boundary_edges),
+        (1, Some(0), 1, 10)
+    );
     assert_eq!(disk.valences, [(2, 4), (3, 6), (4, 2)]);
 
     // An annulus: a 3 x 3 grid without its middle.
@@ -98,7 +101,16 @@ fn surfaces_are_recognised() {
 
     // A Moebius band of five quads: one edge is run along twice in the same direction.
     let at = |i: u32, side: u32| if i == 5 { 1 - side } else { 2 * i + side };
-    let band: Vec<Vec<u32>> = (0..5).map(|i| vec![at(i, 0), if i == 4 { 1 } else { at(i + 1, 0) }, if i == 4 { 0 } else { at(i + 1, 1) }, at(i, 1)]).collect();
+    let band: Vec<Vec<u32>> = (0..5)
+        .map(|i| {
+            vec![
+                at(i, 0),
+                if i == 4 { 1 } else { at(i + 1, 0) },
+                if i == 4 { 0 } else { at(i + 1, 1) },
+                at(i, 1),
+            ]
+        })
+        .collect();
     assert_eq!(survey(polygons(10, &band)).non_manifold_edges, 1);
 }
 
@@ -106,5 +118,12 @@ fn surfaces_are_recognised() {
 fn edges_follow_opensubdivs_numbering() {
     let mesh = mesh(grid(2, 1, false));
     assert_eq!(mesh.edges(), [[0, 1], [1, 4], [4, 3], [3, 0], [1, 2], [2, 5], [5, 4]]);
-    assert_eq!(mesh.face_half_edges(1), [4, 5, 6].map(|e| HalfEdge::new(e, true)).into_iter().chain([HalfEdge::new(1, false)]).collect::<Vec<_>>());
+    assert_eq!(
+        mesh.face_half_edges(1),
+        [4, 5, 6]
+            .map(|e| HalfEdge::new(e, true))
+            .into_iter()
+            .chain([HalfEdge::new(1, false)])
+            .collect::<Vec<_>>()
+    );
 }

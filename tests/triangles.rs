@@ -13,12 +13,12 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_abs_diff_eq;
 use common::meshes::{bipyramid, hexagonal_torus, polygons, triangle_fan};
-use common::step::{assert_row, Step, WEIGHT};
+use common::step::{Step, WEIGHT, assert_row};
 use common::{assert_laws, triangle_schemes};
 use formwork::scheme::half_box::{corner_matrix, weights};
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
-use formwork::sparse::{row_of, Csr};
-use formwork::symbol::{smooth, whitney, Lattice, Symbol};
+use formwork::sparse::{Csr, row_of};
+use formwork::symbol::{Lattice, Symbol, smooth, whitney};
 use formwork::topology::{Cage, Crease, Descriptor, Parent};
 use nalgebra::DMatrix;
 
@@ -93,7 +93,13 @@ fn assert_rows_are_the_symbols(step: &Step, symbols: [Symbol; 3]) {
         }
 
         for up in [true, false] {
-            let corners = |p, up| if up { [p, plus(p, (1, 0)), plus(p, (0, 1))] } else { [plus(p, (1, 0)), plus(p, (1, 1)), plus(p, (0, 1))] };
+            let corners = |p, up| {
+                if up {
+                    [p, plus(p, (1, 0)), plus(p, (0, 1))]
+                } else {
+                    [plus(p, (1, 0)), plus(p, (1, 1)), plus(p, (0, 1))]
+                }
+            };
             let split = step.hierarchy.refinement(1).split();
             let vertices = corners(p, up).map(|q| split.vertex_of(fine_vertex(step, q)));
             let child = step.hierarchy.level(1).mesh();
@@ -101,7 +107,10 @@ fn assert_rows_are_the_symbols(step: &Step, symbols: [Symbol; 3]) {
             let fine = child.corner_face(child.left_corner(h).unwrap());
             // Coarse face (i, j): the torus lists the upward one of each cell, then the downward one.
             let face = |(j, q): (usize, (i32, i32))| 2 * at(q) + j as u32;
-            let terms = symbols[2].stencil(usize::from(!up), p).into_iter().map(|(j, q, w)| (face((j, q)), as_f64(w)));
+            let terms = symbols[2]
+                .stencil(usize::from(!up), p)
+                .into_iter()
+                .map(|(j, q, w)| (face((j, q)), as_f64(w)));
             assert_row(&step.s2_row(fine), &terms.collect::<Vec<_>>());
         }
     }
@@ -188,7 +197,10 @@ fn irregular_vertices_follow_chapter_4() {
                 odd.assert_is(&step.across(w0, w1, 0));
 
                 let face = |j: usize| ((i + j) % n) as u32;
-                assert_row(&step.s2(i as u32, 0), &(0..n).map(|j| (face(j), beta[j] / 4.0)).collect::<Vec<_>>());
+                assert_row(
+                    &step.s2(i as u32, 0),
+                    &(0..n).map(|j| (face(j), beta[j] / 4.0)).collect::<Vec<_>>(),
+                );
                 // The middle child: two smooth edges.
                 let middle = [(face(0), 0.125), (face(1), 0.0625), (face(n - 1), 0.0625)];
                 assert_row(&step.s2_row(4 * i as u32 + 3), &middle);
@@ -223,7 +235,9 @@ fn boundary_matrices_are_appendix_b() {
         [0., 1. / 8., 1. / 12., 7. / 12., 5. / 24.],
         [0., 0., 1. / 6., 1. / 6., 2. / 3.],
     ];
-    let close = |a: &[f64], b: &[f64]| a.iter().zip(b).for_each(|(a, b)| assert_abs_diff_eq!(*a, *b, epsilon = WEIGHT));
+    let close = |a: &[f64], b: &[f64]| {
+        a.iter().zip(b).for_each(|(a, b)| assert_abs_diff_eq!(*a, *b, epsilon = WEIGHT))
+    };
     close(&rows(BoundaryRule::Thesis, 5), &five.concat());
     for rule in [BoundaryRule::Thesis, BoundaryRule::Dct] {
         close(&rows(rule, 1), &[1.0]);
@@ -255,23 +269,36 @@ fn boundary_matrices_are_appendix_b() {
 fn boundary_matrix(rule: BoundaryRule, k: usize) -> Vec<f64> {
     corner_matrix(rule, k).unwrap_or_else(|| {
         let beta = weights(2 * k);
-        (0..k * k).map(|ij| (ij / k, ij % k)).map(|(i, j)| beta[(2 * k + i - j) % (2 * k)] + beta[(i + j + 1) % (2 * k)]).collect()
+        (0..k * k)
+            .map(|ij| (ij / k, ij % k))
+            .map(|(i, j)| beta[(2 * k + i - j) % (2 * k)] + beta[(i + j + 1) % (2 * k)])
+            .collect()
     })
 }
 
 #[test]
 fn boundary_rows_follow_appendix_b() {
-    for (variant, rule) in [Variant::Loop, Variant::ModifiedLoop].into_iter().flat_map(|v| RULES.map(|r| (v, r))) {
+    for (variant, rule) in
+        [Variant::Loop, Variant::ModifiedLoop].into_iter().flat_map(|v| RULES.map(|r| (v, r)))
+    {
         for k in 1..=8usize {
             let step = Step::new(triangle_fan(k as u32, false), Scheme::Loop(variant, rule));
             let w = |j: usize| 1 + j as u32;
             let matrix = boundary_matrix(rule, k);
             for i in 0..k {
-                let row: Vec<_> = (0..k).map(|j| (j as u32, matrix[i * k + j] / 4.0)).filter(|(_, w)| w.abs() > WEIGHT).collect();
+                let row: Vec<_> = (0..k)
+                    .map(|j| (j as u32, matrix[i * k + j] / 4.0))
+                    .filter(|(_, w)| w.abs() > WEIGHT)
+                    .collect();
                 assert_row(&step.s2(i as u32, 0), &row);
-                let neighbours: Vec<u32> = [i.checked_sub(1), Some(i + 1).filter(|&j| j < k)].into_iter().flatten().map(|j| j as u32).collect();
+                let neighbours: Vec<u32> = [i.checked_sub(1), Some(i + 1).filter(|&j| j < k)]
+                    .into_iter()
+                    .flatten()
+                    .map(|j| j as u32)
+                    .collect();
                 let own = (1.0 - neighbours.len() as f64 / 4.0) / 4.0;
-                let middle: Vec<_> = neighbours.iter().map(|&j| (j, 1.0 / 16.0)).chain([(i as u32, own)]).collect();
+                let middle: Vec<_> =
+                    neighbours.iter().map(|&j| (j, 1.0 / 16.0)).chain([(i as u32, own)]).collect();
                 assert_row(&step.s2_row(4 * i as u32 + 3), &middle);
             }
 
@@ -312,20 +339,34 @@ fn creases_are_boundaries_and_fractional_ones_blend() {
         let creases = [1, 4].map(|w| Crease { vertices: [0, w], sharpness }).into();
         Descriptor { creases, ..triangle_fan(n, true) }
     };
-    for (variant, rule) in [Variant::Loop, Variant::ModifiedLoop].into_iter().flat_map(|v| RULES.map(|r| (v, r))) {
-        let [blended, sharp, smooth] = [0.3, 10.0, 0.0].map(|s| Step::new(creased(s), Scheme::Loop(variant, rule)));
+    for (variant, rule) in
+        [Variant::Loop, Variant::ModifiedLoop].into_iter().flat_map(|v| RULES.map(|r| (v, r)))
+    {
+        let [blended, sharp, smooth] =
+            [0.3, 10.0, 0.0].map(|s| Step::new(creased(s), Scheme::Loop(variant, rule)));
         let matrix = boundary_matrix(rule, 3);
         for i in 0..3u32 {
             let row: Vec<_> = (0..3).map(|j| (j, matrix[(3 * i + j) as usize] / 4.0)).collect();
-            assert_row(&sharp.s2(i, 0), &row.iter().copied().filter(|(_, w)| w.abs() > WEIGHT).collect::<Vec<_>>());
+            assert_row(
+                &sharp.s2(i, 0),
+                &row.iter().copied().filter(|(_, w)| w.abs() > WEIGHT).collect::<Vec<_>>(),
+            );
         }
         assert_row(&sharp.even(0, 1), &[((0, 1), 0.375), ((4, 0), 0.125)]);
         let p = f64::from(0.3f32);
         let [blended, sharp, smooth] = [blended, sharp, smooth].map(|step| step.operators);
-        for (blended, sharp, smooth) in [(&blended.s0, &sharp.s0, &smooth.s0), (&blended.s1, &sharp.s1, &smooth.s1), (&blended.s2, &sharp.s2, &smooth.s2)] {
+        for (blended, sharp, smooth) in [
+            (&blended.s0, &sharp.s0, &smooth.s0),
+            (&blended.s1, &sharp.s1, &smooth.s1),
+            (&blended.s2, &sharp.s2, &smooth.s2),
+        ] {
             for (row, column) in (0..blended.rows()).flat_map(|r| (0..blended.cols()).map(move |c| (r, c))) {
                 let entry = |m: &Csr| m.get(row, column).copied().unwrap_or(0.0);
-                assert_abs_diff_eq!(entry(blended), p * entry(sharp) + (1.0 - p) * entry(smooth), epsilon = 1e-8);
+                assert_abs_diff_eq!(
+                    entry(blended),
+                    p * entry(sharp) + (1.0 - p) * entry(smooth),
+                    epsilon = 1e-8
+                );
             }
         }
     }
@@ -427,7 +468,9 @@ fn blocks(sectors: usize, cyclic: bool, scheme: Scheme) -> [DMatrix<f64>; 3] {
         let mut rows = 0;
         for c in 0..fine.num_cells(k) {
             let vertices = cell(fine, c);
-            let Some(&row) = name(&vertices, &fine_keys).and_then(|name| numbers.get(&name)) else { continue };
+            let Some(&row) = name(&vertices, &fine_keys).and_then(|name| numbers.get(&name)) else {
+                continue;
+            };
             rows += 1;
             // An edge may run the other way on the next level.
             let sign = if k == 1 && fine_keys[vertices[0] as usize] != columns[row].1 { -1.0 } else { 1.0 };
@@ -506,8 +549,11 @@ fn subdominant_eigenvalues_are_known() {
                 Variant::ModifiedLoop => 0.5,
             };
             let singular = |matrix: DMatrix<f64>| matrix.svd(true, false);
-            let mut values: Vec<f64> =
-                singular(&s0 - DMatrix::identity(size, size) * lambda).singular_values.iter().copied().collect();
+            let mut values: Vec<f64> = singular(&s0 - DMatrix::identity(size, size) * lambda)
+                .singular_values
+                .iter()
+                .copied()
+                .collect();
             values.sort_by(f64::total_cmp);
             assert!(values[1] < 1e-14, "{variant:?} {n}: {values:?}");
             if variant == Variant::Loop {
@@ -527,7 +573,9 @@ fn subdominant_eigenvalues_are_known() {
 
 #[test]
 fn laws_hold_on_small_and_irregular_meshes() {
-    let annulus: Vec<Vec<u32>> = (0..5u32).flat_map(|i| [vec![i, (i + 1) % 5, 5 + i], vec![5 + i, (i + 1) % 5, 5 + (i + 1) % 5]]).collect();
+    let annulus: Vec<Vec<u32>> = (0..5u32)
+        .flat_map(|i| [vec![i, (i + 1) % 5, 5 + i], vec![5 + i, (i + 1) % 5, 5 + (i + 1) % 5]])
+        .collect();
     let mut meshes = vec![("triangle", polygons(3, &[vec![0, 1, 2]])), ("annulus", polygons(10, &annulus))];
     meshes.extend((1..=6).map(|k| ("open fan", triangle_fan(k, false))));
     meshes.extend((3..=12).flat_map(|k| [("fan", triangle_fan(k, true)), ("bipyramid", bipyramid(k))]));

@@ -8,9 +8,10 @@ mod common;
 
 use approx::assert_abs_diff_eq;
 use common::meshes::{fan, grid, polygons};
-use common::step::{assert_row, Step, WEIGHT};
+use common::step::{Step, WEIGHT, assert_row};
 use formwork::scheme::{DooSabin, Scheme};
-use formwork::topology::{BoundaryInterpolation, Crease, Descriptor, TriangleSubdivision};
+use formwork::symbol::{Lattice, Rational, smooth};
+use formwork::topology::{BoundaryInterpolation, Crease, Descriptor, Parent, TriangleSubdivision};
 
 fn catmark(descriptor: Descriptor, weights: DooSabin) -> Step {
     Step::new(descriptor, Scheme::Catmark(weights))
@@ -36,7 +37,8 @@ fn regular_rows_are_those_of_cubic_and_quadratic_splines() {
     for step in both(&grid(8, 8, true)) {
         let row = step.even(v(0, 0), v(1, 0));
         let x = |i, j| (v(i, j), v(i + 1, j));
-        let expected = [(x(0, 0), 18.), (x(-1, 0), 6.), (x(0, 1), 3.), (x(0, -1), 3.), (x(-1, 1), 1.), (x(-1, -1), 1.)];
+        let expected =
+            [(x(0, 0), 18.), (x(-1, 0), 6.), (x(0, 1), 3.), (x(0, -1), 3.), (x(-1, 1), 1.), (x(-1, -1), 1.)];
         assert_row(&row, &expected.map(|(e, w)| (e, w / 64.0)));
 
         let row = step.odd(v(0, 0), v(1, 0));
@@ -104,7 +106,11 @@ fn doo_and_sabins_own_weights_are_an_option() {
         let step = catmark(fan(&vec![4; k]), DooSabin::Original);
         let alpha = |j: usize| {
             let turn = std::f64::consts::TAU * j as f64 / k as f64;
-            if j == 0 { (k as f64 + 5.0) / (4.0 * k as f64) } else { (3.0 + 2.0 * turn.cos()) / (4.0 * k as f64) }
+            if j == 0 {
+                (k as f64 + 5.0) / (4.0 * k as f64)
+            } else {
+                (3.0 + 2.0 * turn.cos()) / (4.0 * k as f64)
+            }
         };
         let row = step.s2(2, 0);
         assert_row(&row, &(0..k).map(|j| (((2 + j) % k) as u32, alpha(j) / 4.0)).collect::<Vec<_>>());
@@ -119,7 +125,8 @@ fn polygons_share_by_their_number_of_corners() {
     let gamma = 1.0 / 20.0;
     let alpha = [0.5 + gamma, 0.125 + gamma, gamma, gamma, 0.125 + gamma];
     let row = step.s2(2, 0);
-    let expected: Vec<_> = (0..5).map(|j| (2 + j) % 5).map(|i| (i as u32, alpha[(i + 3) % 5] / f64::from(sizes[i]))).collect();
+    let expected: Vec<_> =
+        (0..5).map(|j| (2 + j) % 5).map(|i| (i as u32, alpha[(i + 3) % 5] / f64::from(sizes[i]))).collect();
     assert_row(&row, &expected);
 
     // A lone pentagon: no face beyond its edges, so the odd child is the Whitney lift, (n - 2t)/(2n).
@@ -129,7 +136,9 @@ fn polygons_share_by_their_number_of_corners() {
 
 #[test]
 fn boundary_rows_are_splines_reflected_evenly() {
-    for boundary in [BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner, BoundaryInterpolation::None] {
+    for boundary in
+        [BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner, BoundaryInterpolation::None]
+    {
         for step in both(&Descriptor { boundary, ..grid(5, 5, false) }) {
             // Columns of six vertices; the boundary runs along the bottom row.
             let (left, here, right, up) = (1, 2, 3, 8);
@@ -141,7 +150,10 @@ fn boundary_rows_are_splines_reflected_evenly() {
             // Side children of the boundary faces, and the child in the corner.
             assert_row(&step.s2(2, here), &[(2, 3.0 / 16.0), (1, 1.0 / 16.0)]);
             assert_row(&step.s2(0, 0), &[(0, 0.25)]);
-            assert_row(&step.s2(2, up), &[9., 3., 3., 1.].iter().zip([2, 1, 7, 6]).map(|(w, f)| (f, w / 64.0)).collect::<Vec<_>>());
+            assert_row(
+                &step.s2(2, up),
+                &[9., 3., 3., 1.].iter().zip([2, 1, 7, 6]).map(|(w, f)| (f, w / 64.0)).collect::<Vec<_>>(),
+            );
         }
     }
 }
@@ -151,7 +163,10 @@ fn boundary_rows_are_splines_reflected_evenly() {
 fn corners_keep_half_of_their_edges() {
     let corner = |boundary| catmark(Descriptor { boundary, ..grid(3, 3, false) }, DooSabin::Thesis);
     assert_row(&corner(BoundaryInterpolation::EdgeAndCorner).even(0, 1), &[((0, 1), 0.5)]);
-    assert_row(&corner(BoundaryInterpolation::EdgeOnly).even(0, 1), &[((0, 1), 3.0 / 8.0), ((4, 0), 1.0 / 8.0)]);
+    assert_row(
+        &corner(BoundaryInterpolation::EdgeOnly).even(0, 1),
+        &[((0, 1), 3.0 / 8.0), ((4, 0), 1.0 / 8.0)],
+    );
 }
 
 fn creased_torus(sharpness: f32) -> Descriptor {
@@ -163,7 +178,10 @@ fn creased_torus(sharpness: f32) -> Descriptor {
 #[test]
 fn creases_are_boundaries_from_both_sides() {
     for step in both(&creased_torus(10.0)) {
-        assert_row(&step.even(v(0, 0), v(1, 0)), &[((v(0, 0), v(1, 0)), 0.375), ((v(-1, 0), v(0, 0)), 0.125)]);
+        assert_row(
+            &step.even(v(0, 0), v(1, 0)),
+            &[((v(0, 0), v(1, 0)), 0.375), ((v(-1, 0), v(0, 0)), 0.125)],
+        );
         for up in [1, -1] {
             let across = [(0, 24.0), (-1, 4.0), (1, 4.0)].map(|(i, w)| ((v(i, 0), v(i, up)), w / 64.0));
             assert_row(&step.even(v(0, 0), v(0, up)), &across);
@@ -176,16 +194,23 @@ fn creases_are_boundaries_from_both_sides() {
 /// OpenSubdiv blends the rules of a crease that decays within the step; so do S1 and S2, entry by entry.
 #[test]
 fn fractional_creases_blend_linearly() {
-    let [blended, sharp, smooth] = [0.3, 10.0, 0.0].map(|s| catmark(creased_torus(s), DooSabin::Thesis).operators);
+    let [blended, sharp, smooth] =
+        [0.3, 10.0, 0.0].map(|s| catmark(creased_torus(s), DooSabin::Thesis).operators);
     let p = f64::from(0.3f32);
-    for (blended, sharp, smooth) in
-        [(&blended.s0, &sharp.s0, &smooth.s0), (&blended.s1, &sharp.s1, &smooth.s1), (&blended.s2, &sharp.s2, &smooth.s2)]
-    {
+    for (blended, sharp, smooth) in [
+        (&blended.s0, &sharp.s0, &smooth.s0),
+        (&blended.s1, &sharp.s1, &smooth.s1),
+        (&blended.s2, &sharp.s2, &smooth.s2),
+    ] {
         for row in 0..blended.rows() {
             for column in 0..blended.cols() {
                 let entry = |m: &formwork::sparse::Csr| m.get(row, column).copied().unwrap_or(0.0);
                 // OpenSubdiv forms 1 - p in single precision.
-                assert_abs_diff_eq!(entry(blended), p * entry(sharp) + (1.0 - p) * entry(smooth), epsilon = 1e-8);
+                assert_abs_diff_eq!(
+                    entry(blended),
+                    p * entry(sharp) + (1.0 - p) * entry(smooth),
+                    epsilon = 1e-8
+                );
             }
         }
     }
@@ -207,7 +232,9 @@ fn darts_are_smooth_vertices_with_one_sharp_edge() {
 
 #[test]
 fn smooth_triangle_rule_changes_the_weight_of_faces() {
-    let two = |triangles| catmark(Descriptor { triangles, ..polygons(4, &[vec![0, 1, 2], vec![1, 0, 3]]) }, DooSabin::Thesis);
+    let two = |triangles| {
+        catmark(Descriptor { triangles, ..polygons(4, &[vec![0, 1, 2], vec![1, 0, 3]]) }, DooSabin::Thesis)
+    };
     for (rule, tau) in [(TriangleSubdivision::Catmark, 0.25), (TriangleSubdivision::Smooth, 0.47)] {
         let (own, beyond) = ((1.0 - tau) / 6.0, tau / 6.0);
         assert_row(&two(rule).odd(0, 1), &[((1, 2), own), ((0, 2), own), ((3, 1), beyond), ((3, 0), beyond)]);
@@ -225,5 +252,44 @@ fn nothing_crosses_a_non_manifold_edge() {
             }
         }
         assert_row(&step.even(0, 1), &[((0, 1), 0.5)]);
+    }
+}
+
+/// The whole of the regular interior, every class of cells, against the exact tensor-product convolution.
+#[test]
+fn regular_rows_are_those_of_the_symbols() {
+    let symbols = [0, 1, 2].map(|r| smooth(Lattice::Quads, r));
+    let weight = |w: Rational| *w.numer() as f64 / *w.denom() as f64;
+    let at = |(i, j): (i32, i32)| v(i, j);
+    for step in both(&grid(8, 8, true)) {
+        // The cell of the torus whose child lies at a position of the fine lattice.
+        let cell = |(i, j): (i32, i32)| {
+            let here = (i.div_euclid(2), j.div_euclid(2));
+            match (i.rem_euclid(2), j.rem_euclid(2)) {
+                (0, 0) => Parent::Vertex(at(here)),
+                (1, 0) => Parent::Edge(step.edge(at(here), v(here.0 + 1, here.1)).edge()),
+                (0, 1) => Parent::Edge(step.edge(at(here), v(here.0, here.1 + 1)).edge()),
+                _ => Parent::Face(f(here.0, here.1)),
+            }
+        };
+        for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let terms = symbols[0].stencil(0, (i, j)).into_iter().map(|(_, q, w)| (at(q), weight(w)));
+            assert_row(&step.s0(cell((i, j))), &terms.collect::<Vec<_>>());
+            for (direction, (di, dj)) in [(1, 0), (0, 1)].into_iter().enumerate() {
+                let terms = symbols[1].stencil(direction, (i, j)).into_iter().map(|(d, q, w)| {
+                    let end = if d == 0 { (q.0 + 1, q.1) } else { (q.0, q.1 + 1) };
+                    ((at(q), at(end)), weight(w))
+                });
+                assert_row(&step.s1(cell((i, j)), cell((i + di, j + dj))), &terms.collect::<Vec<_>>());
+            }
+            let split = step.hierarchy.refinement(1).split();
+            let child = step.hierarchy.level(1).mesh();
+            let h = child
+                .find_half_edge(split.vertex_of(cell((i, j))), split.vertex_of(cell((i + 1, j))))
+                .unwrap();
+            let row = step.s2_row(child.corner_face(child.left_corner(h).unwrap()));
+            let terms = symbols[2].stencil(0, (i, j)).into_iter().map(|(_, q, w)| (f(q.0, q.1), weight(w)));
+            assert_row(&row, &terms.collect::<Vec<_>>());
+        }
     }
 }

@@ -6,7 +6,7 @@ mod refinement;
 pub use refinement::{Operators, Refinement};
 
 use crate::cochain::{Cochain, Value};
-use crate::osd::{OsdError, Refiner, Tags, MAX_LEVELS};
+use crate::osd::{MAX_LEVELS, OsdError, Refiner, Tags};
 use crate::scheme::{Scheme, SchemeError};
 use crate::topology::{Cage, Mesh, Split, SplitKind};
 
@@ -47,13 +47,17 @@ impl Level {
 pub enum HierarchyError {
     #[error("{levels} levels: OpenSubdiv refines at most {MAX_LEVELS}, ask for fewer")]
     TooManyLevels { levels: usize },
-    #[error("level {level} is too large: {faces} faces are more than 32-bit numbers can index, ask for fewer levels")]
+    #[error(
+        "level {level} is too large: {faces} faces are more than 32-bit numbers can index, ask for fewer levels"
+    )]
     TooManyFaces { level: usize, faces: u128 },
     #[error(
         "refining to level {level} ({faces} faces) needs about {needed_mib} MiB of memory and {available_mib} MiB are free: ask for fewer levels"
     )]
     TooMuchMemory { level: usize, faces: u128, needed_mib: u128, available_mib: u128 },
-    #[error("this OpenSubdiv numbers the children of level {level} in an order that formwork does not know: use version 3.5 or 3.6")]
+    #[error(
+        "this OpenSubdiv numbers the children of level {level} in an order that formwork does not know: use version 3.5 or 3.6"
+    )]
     UnknownNumbering { level: usize },
     #[error(transparent)]
     Scheme(#[from] SchemeError),

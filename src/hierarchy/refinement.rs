@@ -1,8 +1,8 @@
 use rayon::prelude::*;
 
-use crate::cochain::{along, d1, Cochain, Value};
-use crate::scheme::{whitney, Homotopy};
-use crate::sparse::{apply, assemble, dot, row_of, zero, Csr};
+use crate::cochain::{Cochain, Value, along, d1};
+use crate::scheme::{Homotopy, whitney};
+use crate::sparse::{Csr, apply, assemble, dot, row_of, zero};
 use crate::topology::{Mesh, Split};
 
 /// One step of refinement: the split and the two tables of the scheme.

@@ -10,7 +10,7 @@ mod bridge;
 use bridge::ffi;
 use cxx::UniquePtr;
 
-use crate::sparse::{assemble, Csr};
+use crate::sparse::{Csr, assemble};
 use crate::topology::{BoundaryInterpolation, Cage, CreasingMethod, Mesh, TriangleSubdivision};
 
 /// The most levels that OpenSubdiv refines.
@@ -236,7 +236,12 @@ impl Refiner {
                 face_hole: &mut face_hole,
             },
         )?;
-        Ok(Tags { edge_sharpness, vertex_sharpness, vertex_rule: rules(&vertex_rule), face_hole: flags(&face_hole) })
+        Ok(Tags {
+            edge_sharpness,
+            vertex_sharpness,
+            vertex_rule: rules(&vertex_rule),
+            face_hole: flags(&face_hole),
+        })
     }
 
     /// The weights of S0 from `level` to `level + 1`.

@@ -21,8 +21,8 @@
 //! S2 times 16 is 9, 3, 3, 1 over the parent's value per child. Round an extraordinary vertex on quads it
 //! is Appendix C of Ke Wang's thesis.
 
-use super::correction::{circulant, FaceWeights};
-use super::{tables, whitney, DooSabin, Homotopy};
+use super::correction::{FaceWeights, circulant};
+use super::{DooSabin, Homotopy, tables, whitney};
 use crate::osd::Masks;
 use crate::topology::{Mesh, SplitKind};
 

@@ -23,7 +23,7 @@
 
 use std::sync::OnceLock;
 
-use super::sector::{for_each_rule, Place};
+use super::sector::{Place, for_each_rule};
 use crate::osd::Masks;
 use crate::sparse::Row;
 use crate::topology::{HalfEdge, Mesh};
@@ -130,9 +130,9 @@ pub(super) fn circulant(k: usize, here: f64, beside: f64, rest: impl Fn(usize) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scheme::DooSabin;
     use crate::scheme::catmark::Densities;
     use crate::scheme::half_box::{BoundaryRule, HalfBox};
-    use crate::scheme::DooSabin;
 
     fn assert_antisymmetric(weights: &impl FaceWeights) {
         for k in 1..20 {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::correction::{circulant, FaceWeights};
+use super::correction::{FaceWeights, circulant};
 use crate::topology::Mesh;
 
 /// The weights of the corner children of the faces of a sector (at a boundary, a crease or a corner).

@@ -21,7 +21,7 @@
 
 use super::half_box::{BoundaryRule, HalfBox};
 use super::modified_loop::modified_masks;
-use super::{tables, Homotopy};
+use super::{Homotopy, tables};
 use crate::osd::Masks;
 use crate::sparse::Row;
 use crate::topology::{HalfEdge, Mesh, SplitKind};

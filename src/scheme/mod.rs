@@ -34,7 +34,7 @@ pub use half_box::BoundaryRule;
 pub use loop_::Variant;
 
 use crate::osd::{Masks, OsdScheme};
-use crate::sparse::{assemble, Csr};
+use crate::sparse::{Csr, assemble};
 use crate::topology::{Mesh, Split, SplitKind};
 
 /// A subdivision scheme for 0-, 1- and 2-forms.
@@ -63,9 +63,13 @@ impl Default for Scheme {
 #[non_exhaustive]
 #[allow(missing_docs)] // the messages say what the fields are
 pub enum SchemeError {
-    #[error("face {face} has {size} vertices: Loop's schemes take triangles only, use catmark or triangulate the mesh")]
+    #[error(
+        "face {face} has {size} vertices: Loop's schemes take triangles only, use catmark or triangulate the mesh"
+    )]
     NotATriangle { face: u32, size: u32 },
-    #[error("face {face} has {size} vertices: the Whitney scheme takes all triangles or all quads, use bilinear for other meshes")]
+    #[error(
+        "face {face} has {size} vertices: the Whitney scheme takes all triangles or all quads, use bilinear for other meshes"
+    )]
     Mixed { face: u32, size: u32 },
 }
 
@@ -94,7 +98,8 @@ impl Scheme {
     /// # Errors
     /// If the scheme does not take a face.
     pub fn split(self, face_sizes: &[u32]) -> Result<SplitKind, SchemeError> {
-        let other_than = |n: u32| face_sizes.iter().position(|&size| size != n).map(|f| (f as u32, face_sizes[f]));
+        let other_than =
+            |n: u32| face_sizes.iter().position(|&size| size != n).map(|f| (f as u32, face_sizes[f]));
         match self {
             Scheme::Catmark(_) | Scheme::Bilinear => Ok(SplitKind::Quad),
             Scheme::Loop(..) => match other_than(3) {

@@ -14,7 +14,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::sector::{for_each_rule, Place};
+use super::sector::{Place, for_each_rule};
 use crate::osd::{Masks, Rule};
 use crate::topology::{HalfEdge, Mesh};
 

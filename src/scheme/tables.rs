@@ -2,9 +2,9 @@
 //! correction and the rows of the odd edges.
 
 use super::correction::{Correction, FaceWeights};
-use super::{whitney, Homotopy};
+use super::{Homotopy, whitney};
 use crate::osd::Masks;
-use crate::sparse::{assemble, Csr, Row};
+use crate::sparse::{Csr, Row, assemble};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
 
 /// Both tables. `lift(corner, visit)` hands out the value from the midpoint of the edge that leaves a corner

@@ -13,7 +13,7 @@ mod mesh;
 mod split;
 mod survey;
 
-pub use cage::{Cage, Element, TopologyError, MAX_FACE_SIZE, MAX_VALENCE};
+pub use cage::{Cage, Element, MAX_FACE_SIZE, MAX_VALENCE, TopologyError};
 pub use descriptor::{
     BoundaryInterpolation, CollapseReport, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };

@@ -81,7 +81,9 @@ impl Split {
     pub fn num_children(&self, k: usize) -> usize {
         let edges = self.num_corners + 2 * self.num_edges;
         match self.kind {
-            SplitKind::Quad => [self.num_vertices + self.num_faces + self.num_edges, edges, self.num_corners][k],
+            SplitKind::Quad => {
+                [self.num_vertices + self.num_faces + self.num_edges, edges, self.num_corners][k]
+            }
             SplitKind::Triangle => [self.num_vertices + self.num_edges, edges, 4 * self.num_faces][k],
         }
     }
@@ -180,9 +182,10 @@ impl Split {
         match self.edge_parent(edge) {
             ChildEdge::Even(h) => [midpoint(h), parent.tail(h)],
             ChildEdge::Odd(c) => match self.kind {
-                SplitKind::Quad => {
-                    [self.vertex_of(Parent::Face(parent.corner_face(c))), midpoint(parent.corner_half_edge(c))]
-                }
+                SplitKind::Quad => [
+                    self.vertex_of(Parent::Face(parent.corner_face(c))),
+                    midpoint(parent.corner_half_edge(c)),
+                ],
                 SplitKind::Triangle => {
                     let reaching = parent.corner_half_edge(parent.previous_corner(c));
                     [midpoint(parent.corner_half_edge(c)), midpoint(reaching)]

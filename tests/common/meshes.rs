@@ -1,6 +1,8 @@
 //! Meshes that tests build: grids, fans, and random polygon meshes with random features.
 
-use formwork::topology::{BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision};
+use formwork::topology::{
+    BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
+};
 use proptest::prelude::*;
 
 /// Polygons on `num_vertices` vertices.
@@ -68,7 +70,8 @@ pub fn random_cage() -> impl Strategy<Value = Cage> {
 /// valence 6: the neighbours of `(i, j)` are `(+-1, 0)`, `(0, +-1)`, `(-1, 1)` and `(1, -1)`.
 pub fn hexagonal_torus(nx: u32, ny: u32) -> Descriptor {
     let quads = grid(nx, ny, true);
-    let halves = quads.face_vertices.chunks_exact(4).flat_map(|c| [vec![c[0], c[1], c[3]], vec![c[1], c[2], c[3]]]);
+    let halves =
+        quads.face_vertices.chunks_exact(4).flat_map(|c| [vec![c[0], c[1], c[3]], vec![c[1], c[2], c[3]]]);
     polygons(quads.num_vertices, &halves.collect::<Vec<_>>())
 }
 
@@ -82,7 +85,8 @@ pub fn triangle_fan(k: u32, cyclic: bool) -> Descriptor {
 /// Two cones of `k` triangles on a common rim: a closed surface with vertices of valence `k` and 4.
 pub fn bipyramid(k: u32) -> Descriptor {
     let rim = |i: u32| 2 + i % k;
-    let faces: Vec<_> = (0..k).flat_map(|i| [vec![0, rim(i), rim(i + 1)], vec![1, rim(i + 1), rim(i)]]).collect();
+    let faces: Vec<_> =
+        (0..k).flat_map(|i| [vec![0, rim(i), rim(i + 1)], vec![1, rim(i + 1), rim(i)]]).collect();
     polygons(2 + k as usize, &faces)
 }
 
@@ -92,20 +96,25 @@ pub fn random_triangles() -> impl Strategy<Value = Cage> {
     (3u32..5, 3u32..5, any::<bool>()).prop_flat_map(|(nx, ny, torus)| {
         let sharpness = prop_oneof![Just(10.0f32), 0.0f32..4.0, Just(1.0f32)];
         (
-            proptest::collection::vec(prop_oneof![1 => Just(0u8), 4 => Just(1u8), 4 => Just(2u8)], (nx * ny) as usize),
+            proptest::collection::vec(
+                prop_oneof![1 => Just(0u8), 4 => Just(1u8), 4 => Just(2u8)],
+                (nx * ny) as usize,
+            ),
             proptest::collection::vec(any::<prop::sample::Index>(), 0..24),
             proptest::collection::vec((any::<prop::sample::Index>(), sharpness.clone()), 0..8),
             proptest::collection::vec((any::<prop::sample::Index>(), sharpness), 0..4),
             (0usize..3, any::<bool>(), any::<bool>()),
         )
-            .prop_map(move |(cuts, insertions, creases, corners, (boundary, chaikin, left_handed))| {
-                let mut d = cut_grid(nx, ny, torus, &cuts);
-                for index in insertions {
-                    let face = index.index(d.face_sizes.len());
-                    insert_vertex(&mut d, face);
-                }
-                decorate(d, &creases, &corners, &[], (boundary, chaikin, false, left_handed))
-            })
+            .prop_map(
+                move |(cuts, insertions, creases, corners, (boundary, chaikin, left_handed))| {
+                    let mut d = cut_grid(nx, ny, torus, &cuts);
+                    for index in insertions {
+                        let face = index.index(d.face_sizes.len());
+                        insert_vertex(&mut d, face);
+                    }
+                    decorate(d, &creases, &corners, &[], (boundary, chaikin, false, left_handed))
+                },
+            )
     })
 }
 
@@ -176,7 +185,8 @@ fn decorate(
     }
     d.holes = holes.iter().map(|index| index.index(d.face_sizes.len()) as u32).collect();
     d.boundary =
-        [BoundaryInterpolation::None, BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner][boundary];
+        [BoundaryInterpolation::None, BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner]
+            [boundary];
     d.creasing = if chaikin { CreasingMethod::Chaikin } else { CreasingMethod::Uniform };
     d.triangles = if smooth_triangles { TriangleSubdivision::Smooth } else { TriangleSubdivision::Catmark };
     d.left_handed = left_handed;

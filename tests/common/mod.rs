@@ -5,7 +5,7 @@ pub mod meshes;
 pub mod shapes;
 pub mod step;
 
-use formwork::laws::{measure, Report};
+use formwork::laws::{Report, measure};
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
 use formwork::topology::Cage;
 

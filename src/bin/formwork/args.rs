@@ -78,7 +78,7 @@ Examples:
   formwork validate assets/creased_box.obj --levels 3
   formwork validate assets/open_polygons.obj --json
   formwork validate assets/creased_box.obj --boundary edge-and-corner
-  formwork validate assets/icosphere.obj --scheme modified-loop";
+  formwork validate assets/gem.obj --scheme modified-loop";
 
 const INSPECT_HELP: &str = "\
 Examples:
