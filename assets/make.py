@@ -313,6 +313,31 @@ def torus():
     return mesh
 
 
+def gem():
+    """Triangles only, for Loop's schemes: poles of valence 7 and 14, and a crease between them."""
+    mesh = Mesh("A cut gem of triangles, its girdle semi-sharp")
+    n = 7
+    mesh.point("top", (0.0, 0.0, 0.7))
+    mesh.point("tip", (0.0, 0.0, -1.2))
+    for i in range(n):
+        turn = math.tau * i / n
+        mesh.point(("crown", i), (0.65 * math.cos(turn), 0.65 * math.sin(turn), 0.6))
+    for i in range(2 * n):
+        turn = math.tau * (i - 0.5) / (2 * n)
+        mesh.point(("girdle", i), (1.2 * math.cos(turn), 1.2 * math.sin(turn), 0.1))
+    for i in range(n):
+        j, a, b, c = (i + 1) % n, 2 * i, 2 * i + 1, (2 * i + 2) % (2 * n)
+        mesh.face("top", ("crown", i), ("crown", j))
+        mesh.face(("crown", i), ("girdle", a), ("girdle", b))
+        mesh.face(("crown", i), ("girdle", b), ("crown", j))
+        mesh.face(("crown", j), ("girdle", b), ("girdle", c))
+    for i in range(2 * n):
+        j = (i + 1) % (2 * n)
+        mesh.face("tip", ("girdle", j), ("girdle", i))
+    mesh.loop(2.2, *(("girdle", i) for i in range(2 * n)))
+    return mesh
+
+
 def files():
     box, plate = creased_box(), genus2()
     return {
@@ -324,6 +349,7 @@ def files():
         "high_valence.obj": high_valence().obj(),
         "fin.obj": fin().obj(),
         "torus.obj": torus().obj(),
+        "gem.obj": gem().obj(),
     }
 
 

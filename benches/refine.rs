@@ -24,7 +24,9 @@ fn main() {
     one_step(&mut criterion);
     criterion.final_summary();
 
-    println!("\nThree levels, 10k -> 640k faces; medians of {RUNS}, in milliseconds, and as ratios to OpenSubdiv");
+    println!(
+        "\nThree levels, 10k -> 640k faces; medians of {RUNS}, in milliseconds, and as ratios to OpenSubdiv"
+    );
     for (name, cage) in [("regular", regular(100)), ("irregular", irregular(90))] {
         cascade(name, &cage);
     }
@@ -105,7 +107,11 @@ fn cascade(name: &str, cage: &Cage) {
         &mut || drop(black_box(hierarchy.subdivide(&density))),
     ]);
     let osd_build = osd_refine + osd_table;
-    println!("{name}: {} -> {} faces", hierarchy.level(0).mesh().num_faces(), hierarchy.finest().mesh().num_faces());
+    println!(
+        "{name}: {} -> {} faces",
+        hierarchy.level(0).mesh().num_faces(),
+        hierarchy.finest().mesh().num_faces()
+    );
     let line = |what: &str, time: f64, than: f64| println!("  {what:<54} {time:>8.1} {:>7.2}x", time / than);
     line("OpenSubdiv: refine", osd_refine, osd_build);
     line("OpenSubdiv: refine + StencilTableFactory (S0)", osd_build, osd_build);

@@ -235,6 +235,35 @@ void append_limit_row(Far::TopologyLevel const &level, int v, Mask const &mask, 
     out.sizes.push_back(static_cast<std::uint32_t>(out.indices.size() - before));
 }
 
+// The limit masks of every vertex: 0 position, 1 and 2 the tangents.
+//
+// Not by PrimvarRefiner::Limit: it sizes its tangent masks by the most edges at a vertex, and writes past
+// them at non-manifold vertices that have more faces than edges (OpenSubdiv 3.5 and 3.6).
+template <Sdc::SchemeType SCHEME>
+Stencils limit_rows(Sdc::Options options, Far::TopologyLevel const &at, std::uint8_t which) {
+    Sdc::Scheme<SCHEME> scheme(options);
+    Stencils out;
+    std::vector<double> weights;
+    for (int v = 0; v < at.GetNumVertices(); ++v) {
+        int edges = at.GetVertexEdges(v).size(), faces = at.GetVertexFaces(v).size();
+        int most = std::max(edges, faces) + 2;
+        weights.assign(3 * (2 * most + 1), 0.0);
+        auto mask = [&weights, most](int i) {
+            double *w = weights.data() + i * (2 * most + 1);
+            return Mask(w, w + 1, w + 1 + most);
+        };
+        Mask masks[3] = {mask(0), mask(1), mask(2)};
+        if (edges == 0) {
+            masks[0].vertices[0] = 1.0; // an isolated vertex stays where it is and has no tangents
+        } else {
+            VertexNeighbourhood hood{at, at, v};
+            scheme.ComputeVertexLimitMask(hood, masks[0], masks[1], masks[2], at.GetVertexRule(v));
+        }
+        append_limit_row(at, v, masks[which % 3], out);
+    }
+    return out;
+}
+
 struct Scalar {
     double value;
     void Clear() { value = 0.0; }
@@ -247,6 +276,15 @@ void fill(rust::Vec<T> &target, T const *source, std::size_t count) {
     target.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
         target.push_back(source[i]);
+    }
+}
+
+Sdc::SchemeType scheme_of(std::uint8_t number) {
+    switch (number) {
+    case 0: return Sdc::SCHEME_BILINEAR;
+    case 1: return Sdc::SCHEME_CATMARK;
+    case 2: return Sdc::SCHEME_LOOP;
+    default: throw std::runtime_error("unknown scheme");
     }
 }
 
@@ -289,7 +327,7 @@ std::unique_ptr<Refiner> new_refiner(CageArrays const &cage) {
 
     typedef Far::TopologyRefinerFactory<Far::TopologyDescriptor> Factory;
     std::unique_ptr<Far::TopologyRefiner> refiner(
-        Factory::Create(descriptor, Factory::Options(Sdc::SCHEME_CATMARK, options_of(cage))));
+        Factory::Create(descriptor, Factory::Options(scheme_of(cage.scheme), options_of(cage))));
     if (!refiner) {
         fail("OpenSubdiv refused the cage");
     }
@@ -377,7 +415,12 @@ void Refiner::masks(std::uint32_t l, MaskArrays out) const {
     check_length(out.child_rule, n.vertices, "child rules");
     check_length(out.parent_weight, n.vertices, "parent rule weights");
     check_length(out.child_sharp, 2 * n.edges, "child sharpness");
-    fill_masks<Sdc::SCHEME_CATMARK>(refiner_->GetSchemeOptions(), parent, child, out);
+    Sdc::Options options = refiner_->GetSchemeOptions();
+    switch (refiner_->GetSchemeType()) {
+    case Sdc::SCHEME_BILINEAR: return fill_masks<Sdc::SCHEME_BILINEAR>(options, parent, child, out);
+    case Sdc::SCHEME_CATMARK: return fill_masks<Sdc::SCHEME_CATMARK>(options, parent, child, out);
+    case Sdc::SCHEME_LOOP: return fill_masks<Sdc::SCHEME_LOOP>(options, parent, child, out);
+    }
 }
 
 void Refiner::children(std::uint32_t l, ChildArrays out) const {
@@ -385,10 +428,12 @@ void Refiner::children(std::uint32_t l, ChildArrays out) const {
     Counts n = counts(l);
     check_length(out.vertex_vertex, n.vertices, "children of vertices");
     check_length(out.edge_vertex, n.edges, "child vertices of edges");
-    check_length(out.face_vertex, n.faces, "child vertices of faces");
+    Counts child = counts(l + 1);
+    bool centres = refiner_->GetSchemeType() != Sdc::SCHEME_LOOP;
+    check_length(out.face_vertex, centres ? n.faces : 0, "child vertices of faces");
     check_length(out.edge_edges, 2 * n.edges, "child edges of edges");
     check_length(out.face_edges, n.corners, "child edges of faces");
-    check_length(out.face_faces, n.corners, "child faces of faces");
+    check_length(out.face_faces, child.faces, "child faces of faces");
     for (int v = 0; v < at.GetNumVertices(); ++v) {
         out.vertex_vertex[v] = static_cast<std::uint32_t>(at.GetVertexChildVertex(v));
     }
@@ -400,7 +445,9 @@ void Refiner::children(std::uint32_t l, ChildArrays out) const {
     edges = out.face_edges.data();
     std::uint32_t *faces = out.face_faces.data();
     for (int f = 0; f < at.GetNumFaces(); ++f) {
-        out.face_vertex[f] = static_cast<std::uint32_t>(at.GetFaceChildVertex(f));
+        if (centres) { // asking for them where there are none crashes
+            out.face_vertex[f] = static_cast<std::uint32_t>(at.GetFaceChildVertex(f));
+        }
         edges = append(at.GetFaceChildEdges(f), edges);
         faces = append(at.GetFaceChildFaces(f), faces);
     }
@@ -441,31 +488,15 @@ Stencils Refiner::stencils(std::uint32_t l) const {
     return out;
 }
 
-// Not by PrimvarRefiner::Limit: it sizes its tangent masks by the most edges at a vertex, and writes past
-// them at non-manifold vertices that have more faces than edges (OpenSubdiv 3.5 and 3.6).
 Stencils Refiner::limit_stencils(std::uint8_t which) const {
     Far::TopologyLevel at = refiner_->GetLevel(refiner_->GetMaxLevel());
-    Sdc::Scheme<Sdc::SCHEME_CATMARK> scheme(refiner_->GetSchemeOptions());
-    Stencils out;
-    std::vector<double> weights;
-    for (int v = 0; v < at.GetNumVertices(); ++v) {
-        int edges = at.GetVertexEdges(v).size(), faces = at.GetVertexFaces(v).size();
-        int most = std::max(edges, faces) + 2;
-        weights.assign(3 * (2 * most + 1), 0.0);
-        auto mask = [&weights, most](int i) {
-            double *w = weights.data() + i * (2 * most + 1);
-            return Mask(w, w + 1, w + 1 + most);
-        };
-        Mask masks[3] = {mask(0), mask(1), mask(2)};
-        if (edges == 0) {
-            masks[0].vertices[0] = 1.0; // an isolated vertex stays where it is and has no tangents
-        } else {
-            VertexNeighbourhood hood{at, at, v};
-            scheme.ComputeVertexLimitMask(hood, masks[0], masks[1], masks[2], at.GetVertexRule(v));
-        }
-        append_limit_row(at, v, masks[which % 3], out);
+    Sdc::Options options = refiner_->GetSchemeOptions();
+    switch (refiner_->GetSchemeType()) {
+    case Sdc::SCHEME_BILINEAR: return limit_rows<Sdc::SCHEME_BILINEAR>(options, at, which);
+    case Sdc::SCHEME_CATMARK: return limit_rows<Sdc::SCHEME_CATMARK>(options, at, which);
+    case Sdc::SCHEME_LOOP: return limit_rows<Sdc::SCHEME_LOOP>(options, at, which);
     }
-    return out;
+    fail("OpenSubdiv has a scheme that is not known here");
 }
 
 void Refiner::interpolate(std::uint32_t l, rust::Slice<const double> source, rust::Slice<double> out) const {

@@ -4,8 +4,8 @@ use std::ops::{Index, IndexMut};
 
 use rayon::prelude::*;
 
-use crate::sparse::zero;
 pub use crate::sparse::Value;
+use crate::sparse::zero;
 use crate::topology::{HalfEdge, Mesh};
 
 /// A `K`-cochain: values on vertices (`K = 0`), oriented edges (`K = 1`) or oriented faces (`K = 2`).

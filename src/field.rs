@@ -46,10 +46,7 @@ fn triangle_vector(mesh: &Mesh, x: &Positions, form: &Cochain<1>, edges: [HalfEd
 fn quad_vector(mesh: &Mesh, x: &Positions, form: &Cochain<1>, edges: [HalfEdge; 4]) -> Vector3<f64> {
     let [bottom, right, top, left] = edges;
     let mean = |a: HalfEdge, b: HalfEdge| {
-        (
-            (edge_vector(mesh, x, a) + edge_vector(mesh, x, b)) / 2.0,
-            (form.along(a) + form.along(b)) / 2.0,
-        )
+        ((edge_vector(mesh, x, a) + edge_vector(mesh, x, b)) / 2.0, (form.along(a) + form.along(b)) / 2.0)
     };
     let (ts, omega_s) = mean(bottom, top.twin());
     let (tt, omega_t) = mean(right, left.twin());
@@ -62,7 +59,8 @@ fn polygon_vector(mesh: &Mesh, x: &Positions, form: &Cochain<1>, edges: &[HalfEd
     let n = edges.len();
     let points: Vec<Vector3<f64>> = edges.iter().map(|&h| x[mesh.tail(h) as usize]).collect();
     let centre = points.iter().sum::<Vector3<f64>>() / n as f64;
-    let area: Vector3<f64> = (0..n).map(|i| (points[i] - centre).cross(&(points[(i + 1) % n] - centre))).sum();
+    let area: Vector3<f64> =
+        (0..n).map(|i| (points[i] - centre).cross(&(points[(i + 1) % n] - centre))).sum();
     let t1 = edge_vector(mesh, x, edges[0]);
     let t2 = area.cross(&t1);
     let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());

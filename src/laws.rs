@@ -9,7 +9,7 @@
 use serde::Serialize;
 
 use crate::cochain::Cochain;
-use crate::hierarchy::{refiner, Hierarchy, HierarchyError};
+use crate::hierarchy::{Hierarchy, HierarchyError, refiner};
 use crate::osd::Refiner;
 use crate::scheme::Scheme;
 use crate::sparse::{apply, max_difference, multiply};
@@ -23,22 +23,22 @@ pub const TOLERANCE: f64 = 1e-12;
 pub struct LevelLaws {
     /// The step leads from `level - 1` to `level`.
     pub level: usize,
-    /// The largest entry of `d0' S0 - S1 d0`, `S0` being OpenSubdiv's.
+    /// The largest entry of `d0' S0 - S1 d0`, `S0` being OpenSubdiv's, if the scheme is.
     pub d0_s0_minus_s1_d0: f64,
     /// The largest entry of `d1' S1 - S2 d1`.
     pub d1_s1_minus_s2_d1: f64,
     /// The largest deviation of a column sum of `S2` from 1.
     pub s2_column_sum_minus_1: f64,
-    /// The largest difference between a weight of our `S0` and OpenSubdiv's.
-    pub s0_minus_opensubdiv: f64,
+    /// The largest difference between a weight of our `S0` and OpenSubdiv's; none if OpenSubdiv has no such
+    /// scheme.
+    pub s0_minus_opensubdiv: Option<f64>,
 }
 
 impl LevelLaws {
     /// The worst of the four.
     pub fn worst(&self) -> f64 {
         let all = [self.d0_s0_minus_s1_d0, self.d1_s1_minus_s2_d1, self.s2_column_sum_minus_1];
-        // A NaN is the worst of all; f64::max would drop it.
-        all.into_iter().fold(self.s0_minus_opensubdiv, |a, b| if a > b || a.is_nan() { a } else { b })
+        all.into_iter().chain(self.s0_minus_opensubdiv).fold(0.0, worse)
     }
 }
 
@@ -47,11 +47,13 @@ impl LevelLaws {
 pub struct LimitRow {
     /// The level.
     pub level: usize,
-    /// The largest difference, over the control edges, to the difference of OpenSubdiv's own values.
+    /// The largest difference, over the control edges, to the difference of OpenSubdiv's own values (of
+    /// ours, if OpenSubdiv has no such scheme).
     pub telescoped_minus_refined: f64,
     /// The largest difference to the difference of OpenSubdiv's limit values. Those are not exact at
-    /// darts, next to semi-sharp features that have not decayed and at valence 2.
-    pub telescoped_minus_limit: f64,
+    /// darts, next to semi-sharp features that have not decayed and at valence 2. None if OpenSubdiv has no
+    /// such scheme.
+    pub telescoped_minus_limit: Option<f64>,
     /// The base-2 logarithm of the last column's ratio to the level before; 2 on a regular mesh. None on
     /// the first level and once the difference is rounding.
     pub rate: Option<f64>,
@@ -73,13 +75,18 @@ impl Report {
     pub fn worst(&self) -> f64 {
         let levels = self.levels.iter().map(LevelLaws::worst);
         let limit = self.limit.iter().map(|row| row.telescoped_minus_refined);
-        levels.chain(limit).fold(0.0, |a, b| if a > b || a.is_nan() { a } else { b })
+        levels.chain(limit).fold(0.0, worse)
     }
 
     /// Whether all exact laws hold to [`TOLERANCE`].
     pub fn holds(&self) -> bool {
         self.worst() <= self.tolerance
     }
+}
+
+/// The larger of the two; a NaN is the worst of all, which `f64::max` would drop.
+fn worse(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
 }
 
 /// Refines `cage` and measures every law on levels 1 to `levels`, calling `progress(level)` as each is
@@ -94,60 +101,84 @@ pub fn measure(
     mut progress: impl FnMut(usize),
 ) -> Result<Report, HierarchyError> {
     let hierarchy = Hierarchy::new(cage, scheme, levels)?;
-    let refiner = refiner(cage, levels)?;
+    let (refiner, split) = refiner(cage, scheme, levels)?;
+    let refiner = scheme.is_opensubdivs(split).then_some(&refiner);
     let mut rows = Vec::with_capacity(levels);
     for level in 1..=levels {
-        rows.push(exact_laws(&hierarchy, &refiner, level)?);
+        rows.push(exact_laws(&hierarchy, refiner, level)?);
         progress(level);
     }
-    Ok(Report { levels: rows, limit: limit_rows(&hierarchy, &refiner)?, tolerance: TOLERANCE })
+    Ok(Report { levels: rows, limit: limit_rows(&hierarchy, refiner)?, tolerance: TOLERANCE })
 }
 
-fn exact_laws(hierarchy: &Hierarchy, refiner: &Refiner, level: usize) -> Result<LevelLaws, HierarchyError> {
+fn exact_laws(
+    hierarchy: &Hierarchy,
+    opensubdiv: Option<&Refiner>,
+    level: usize,
+) -> Result<LevelLaws, HierarchyError> {
     let (parent, child) = (hierarchy.level(level - 1).mesh(), hierarchy.level(level).mesh());
     let ours = hierarchy.operators(level);
-    let s0 = refiner.stencils(level)?;
+    let theirs = opensubdiv.map(|refiner| refiner.stencils(level)).transpose()?;
+    let s0 = theirs.as_ref().unwrap_or(&ours.s0);
     let mut column_sums = vec![0.0; parent.num_faces()];
     for (&column, &weight) in ours.s2.indices().iter().zip(ours.s2.data()) {
         column_sums[column as usize] += weight;
     }
     Ok(LevelLaws {
         level,
-        d0_s0_minus_s1_d0: max_difference(&multiply(&child.d0(), &s0), &multiply(&ours.s1, &parent.d0())),
-        d1_s1_minus_s2_d1: max_difference(&multiply(&child.d1(), &ours.s1), &multiply(&ours.s2, &parent.d1())),
-        s2_column_sum_minus_1: column_sums.iter().fold(0.0, |worst, sum| f64::max(worst, (sum - 1.0).abs())),
-        s0_minus_opensubdiv: max_difference(&ours.s0, &s0),
+        d0_s0_minus_s1_d0: max_difference(&multiply(&child.d0(), s0), &multiply(&ours.s1, &parent.d0())),
+        d1_s1_minus_s2_d1: max_difference(
+            &multiply(&child.d1(), &ours.s1),
+            &multiply(&ours.s2, &parent.d1()),
+        ),
+        s2_column_sum_minus_1: column_sums.iter().map(|sum| (sum - 1.0).abs()).fold(0.0, worse),
+        s0_minus_opensubdiv: theirs.as_ref().map(|theirs| max_difference(&ours.s0, theirs)),
     })
 }
 
-fn limit_rows(hierarchy: &Hierarchy, refiner: &Refiner) -> Result<Vec<LimitRow>, HierarchyError> {
+fn limit_rows(hierarchy: &Hierarchy, opensubdiv: Option<&Refiner>) -> Result<Vec<LimitRow>, HierarchyError> {
     let cage = hierarchy.level(0).mesh();
-    let mut values = vec![random_values(cage.num_vertices())];
+    let mut values = vec![Cochain::<0>::new(random_values(cage.num_vertices()))];
     for level in 1..=hierarchy.num_levels() {
-        values.push(refiner.interpolate(level, &values[level - 1])?);
+        let coarse = &values[level - 1];
+        values.push(match opensubdiv {
+            Some(refiner) => Cochain::new(refiner.interpolate(level, coarse.values())?),
+            None => hierarchy.refine(level, coarse),
+        });
     }
-    let limit = apply(&refiner.limit_stencils()?.position, values.last().unwrap());
+    let finest = values[hierarchy.num_levels()].values();
+    let limit = match opensubdiv {
+        Some(refiner) => Some(apply(&refiner.limit_stencils()?.position, finest)),
+        None => None,
+    };
 
     let mut rows: Vec<LimitRow> = Vec::with_capacity(values.len());
-    let mut form = Cochain::<0>::new(values[0].clone()).exterior_derivative(cage);
+    let mut form = values[0].exterior_derivative(cage);
     for (level, refined) in values.iter().enumerate() {
         if level > 0 {
             form = hierarchy.refine(level, &form);
         }
-        let (mut to_refined, mut to_limit) = (0.0f64, 0.0f64);
-        for e in 0..cage.num_edges() as u32 {
-            let [a, b] = cage.edges()[e as usize].map(|v| v as usize);
-            let sum = telescope(hierarchy, &form, level, HalfEdge::new(e, true));
-            // Control vertices keep their numbers on every level.
-            to_refined = to_refined.max((sum - (refined[b] - refined[a])).abs());
-            to_limit = to_limit.max((sum - (limit[b] - limit[a])).abs());
-        }
-        let rate = rows.last().and_then(|before: &LimitRow| {
-            let rounding = to_limit < TOLERANCE || before.telescoped_minus_limit < TOLERANCE;
-            (!rounding).then(|| (before.telescoped_minus_limit / to_limit).log2())
+        // Control vertices keep their numbers on every level.
+        let largest_difference = |values: &[f64]| {
+            let difference = |e: u32| {
+                let [a, b] = cage.edges()[e as usize].map(|v| v as usize);
+                (telescope(hierarchy, &form, level, HalfEdge::new(e, true)) - (values[b] - values[a])).abs()
+            };
+            (0..cage.num_edges() as u32).map(difference).fold(0.0, worse)
+        };
+        let telescoped_minus_limit = limit.as_deref().map(largest_difference);
+        let before = rows.last().and_then(|row| row.telescoped_minus_limit);
+        let above_rounding = |x: &f64| *x >= TOLERANCE;
+        let rate = before
+            .filter(above_rounding)
+            .zip(telescoped_minus_limit.filter(above_rounding))
+            .map(|(before, now)| (before / now).log2());
+        rows.push(LimitRow {
+            level,
+            telescoped_minus_refined: largest_difference(refined.values()),
+            telescoped_minus_limit,
+            rate,
         });
-        let telescoped_minus_limit = to_limit;
-        rows.push(LimitRow { level, telescoped_minus_refined: to_refined, telescoped_minus_limit, rate });
     }
     Ok(rows)
 }

@@ -57,6 +57,7 @@ pub mod laws;
 pub mod osd;
 pub mod scheme;
 pub mod sparse;
+pub mod symbol;
 pub mod topology;
 
 /// Runs the examples of the README.

@@ -49,11 +49,7 @@ pub struct Row {
 
 impl Row {
     fn new(num_columns: usize) -> Self {
-        Row {
-            weight: vec![0.0; num_columns],
-            listed: vec![false; num_columns],
-            columns: Vec::new(),
-        }
+        Row { weight: vec![0.0; num_columns], listed: vec![false; num_columns], columns: Vec::new() }
     }
 
     /// Adds `weight` to the entry in `column`.
@@ -164,10 +160,7 @@ pub fn dot<T: Value>((columns, weights): (&[u32], &[f64]), x: &[T]) -> Option<T>
 pub fn apply<T: Value>(matrix: &Csr, x: &[T]) -> Vec<T> {
     assert_eq!(matrix.cols(), x.len(), "operator and cochain do not match");
     let zero = zero(x);
-    (0..matrix.rows())
-        .into_par_iter()
-        .map(|i| dot(row_of(matrix, i), x).unwrap_or(zero))
-        .collect()
+    (0..matrix.rows()).into_par_iter().map(|i| dot(row_of(matrix, i), x).unwrap_or(zero)).collect()
 }
 
 /// The zero of the value type of `x`: types such as vectors of a run-time length have no constant one.
@@ -194,8 +187,18 @@ fn assemble_difference(a: &Csr, b: &Csr) -> Vec<f64> {
             while p < ca.len() || q < cb.len() {
                 let left = ca.get(p).copied().unwrap_or(u32::MAX);
                 let right = cb.get(q).copied().unwrap_or(u32::MAX);
-                let x = if left <= right { p += 1; wa[p - 1] } else { 0.0 };
-                let y = if right <= left { q += 1; wb[q - 1] } else { 0.0 };
+                let x = if left <= right {
+                    p += 1;
+                    wa[p - 1]
+                } else {
+                    0.0
+                };
+                let y = if right <= left {
+                    q += 1;
+                    wb[q - 1]
+                } else {
+                    0.0
+                };
                 worst = worst.max((x - y).abs());
             }
             worst

@@ -278,7 +278,10 @@ fn arguments() {
     bad_arguments(&subdivide(&["--fields", "x"]), &["'--fields'", "'--field'"]);
     bad_arguments(&["subdivide", "cube.obj"], &["--output <OUT>", "--help"]);
     bad_arguments(&["validate", "cube.obj", "--levels", "0"], &["1..=15"]);
-    bad_arguments(&["operators", "cube.obj", "--scheme", "loop", "-o", "a.npz"], &["'loop'", "catmark"]);
+    bad_arguments(
+        &["operators", "cube.obj", "--scheme", "sqrt3", "-o", "a.npz"],
+        &["'sqrt3'", "catmark", "modified-loop"],
+    );
     bad_arguments(&["refine", "cube.obj"], &["'refine'"]);
     bad_arguments(&["inspect"], &["<MESH>"]);
     bad_arguments(&["inspect", "cube.obj", "other.obj"], &["'other.obj'"]);

@@ -4,12 +4,16 @@
 mod common;
 
 use common::meshes::{fan, grid, polygons};
-use formwork::osd::Refiner;
-use formwork::topology::{BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision};
+use formwork::osd::{OsdScheme, Refiner};
+use formwork::topology::{
+    BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
+};
 
 fn zoo() -> Vec<(&'static str, Descriptor)> {
     let creased = |creasing| Descriptor {
-        creases: [(0, 1, 0.4), (1, 2, 2.5), (7, 8, 10.0), (8, 9, 1.0)].map(|(a, b, sharpness)| Crease { vertices: [a, b], sharpness }).into(),
+        creases: [(0, 1, 0.4), (1, 2, 2.5), (7, 8, 10.0), (8, 9, 1.0)]
+            .map(|(a, b, sharpness)| Crease { vertices: [a, b], sharpness })
+            .into(),
         corners: vec![Corner { vertex: 13, sharpness: 1.5 }],
         holes: vec![3],
         creasing,
@@ -40,7 +44,7 @@ fn zoo() -> Vec<(&'static str, Descriptor)> {
 fn every_call_answers_on_every_mesh() {
     for (name, descriptor) in zoo() {
         let cage = Cage::new(descriptor).unwrap();
-        let mut refiner = Refiner::new(&cage).unwrap();
+        let mut refiner = Refiner::new(&cage, OsdScheme::Catmark).unwrap();
         assert!(refiner.masks(0).is_err(), "{name}: not refined yet");
         refiner.refine_uniform(2).unwrap();
         for level in 0..=2 {
@@ -78,7 +82,7 @@ fn every_call_answers_on_every_mesh() {
 #[test]
 fn wrong_calls_are_errors() {
     let cage = Cage::new(grid(3, 3, false)).unwrap();
-    let mut refiner = Refiner::new(&cage).unwrap();
+    let mut refiner = Refiner::new(&cage, OsdScheme::Catmark).unwrap();
     assert!(refiner.refine_uniform(0).is_err());
     assert!(refiner.refine_uniform(16).is_err());
     refiner.refine_uniform(1).unwrap();

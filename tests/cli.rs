@@ -534,6 +534,36 @@ fn the_examples_in_the_help_run() {
     assert!(examples >= 15, "{examples} examples found");
 }
 
+/// The default is Loop for triangles and Catmull-Clark for the rest; each scheme keeps its laws.
+#[test]
+fn schemes_are_chosen_by_name_or_by_the_mesh() {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let scheme = |args: &[&str]| {
+        let answer: Value = serde_json::from_str(&succeed(&root, args)).unwrap();
+        answer["rules"]["scheme"].as_str().unwrap().to_owned()
+    };
+    assert_eq!(scheme(&["inspect", "assets/gem.obj", "--json"]), "loop");
+    assert_eq!(scheme(&["inspect", "assets/torus.obj", "--json"]), "catmark");
+    assert_eq!(scheme(&["inspect", "assets/gem.obj", "--scheme", "catmark", "--json"]), "catmark");
+    for name in ["catmark", "loop", "modified-loop", "whitney", "bilinear"] {
+        let table = succeed(&root, &["validate", "assets/gem.obj", "--scheme", name]);
+        assert!(table.trim_end().ends_with("OK"), "{name}: {table}");
+    }
+    for rule in ["reflect", "thesis", "dct"] {
+        succeed(&root, &["validate", "assets/gem.obj", "--half-box", rule, "-l", "1"]);
+    }
+    let folder = scratch();
+    let out = folder.path().join("gem.npz").display().to_string();
+    succeed(&root, &["operators", "assets/gem.obj", "--scheme", "modified-loop", "-o", &out]);
+    let out = folder.path().join("gem.glb").display().to_string();
+    succeed(&root, &["subdivide", "assets/gem.obj", "--scheme", "loop", "-o", &out]);
+
+    let refused = formwork(&root, &["validate", "assets/torus.obj", "--scheme", "loop"]);
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(message.contains("assets/torus.obj: line ") && message.contains("triangles only"), "{message}");
+}
+
 #[test]
 fn a_reader_that_goes_away_is_no_error() {
     let mut child = std::process::Command::new(cargo_bin("formwork"))

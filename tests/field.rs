@@ -7,13 +7,13 @@ use common::meshes::{fan, grid, polygons};
 use formwork::cochain::Cochain;
 use formwork::field::{face_centres, face_vectors, vertex_normals, vertex_vectors};
 use formwork::hierarchy::Hierarchy;
-use formwork::osd::Refiner;
+use formwork::osd::{OsdScheme, Refiner};
 use formwork::scheme::Scheme;
 use formwork::topology::{Cage, Descriptor, Mesh};
 use nalgebra::Vector3;
 
 fn mesh(descriptor: Descriptor) -> Mesh {
-    Refiner::new(&Cage::new(descriptor).unwrap()).unwrap().mesh(0).unwrap()
+    Refiner::new(&Cage::new(descriptor).unwrap(), OsdScheme::Catmark).unwrap().mesh(0).unwrap()
 }
 
 /// The integral of a constant covector along every edge.
@@ -30,7 +30,10 @@ fn constant_forms_are_reproduced_on_any_polygon() {
     let tilt = |p: Vector3<f64>| Vector3::new(p.x, p.y, 0.3 * p.x - 0.8 * p.y);
     let position = |v: usize| {
         let angle = v as f64 * 2.4;
-        tilt(Vector3::new(angle.cos(), angle.sin(), 0.0) * if v == 0 { 0.0 } else { 1.0 + 0.3 * (v as f64).sin() })
+        tilt(
+            Vector3::new(angle.cos(), angle.sin(), 0.0)
+                * if v == 0 { 0.0 } else { 1.0 + 0.3 * (v as f64).sin() },
+        )
     };
     let positions = Cochain::new((0..mesh.num_vertices()).map(position).collect());
     let vector = tilt(Vector3::new(0.7, -1.1, 0.0));
@@ -54,7 +57,8 @@ fn triangles_are_interpolated_by_whitney_forms() {
 #[test]
 fn quads_are_interpolated_by_their_opposite_edges() {
     let mesh = mesh(grid(1, 1, false));
-    let positions = Cochain::new([[0., 0.], [2., 0.], [0., 1.], [2., 1.]].map(|[x, y]| Vector3::new(x, y, 0.0)).into());
+    let positions =
+        Cochain::new([[0., 0.], [2., 0.], [0., 1.], [2., 1.]].map(|[x, y]| Vector3::new(x, y, 0.0)).into());
     let vectors = face_vectors(&mesh, &positions, &Cochain::new(vec![1.0, 0.0, 0.0, 0.0]));
     assert_relative_eq!(vectors[0], Vector3::new(0.25, 0.0, 0.0), epsilon = 1e-15);
 }
@@ -89,7 +93,8 @@ fn averages_and_normals_are_those_of_a_plane() {
 fn a_constant_field_stays_constant_on_a_refined_plane() {
     let cage = Cage::new(grid(4, 4, false)).unwrap();
     let hierarchy = Hierarchy::new(&cage, Scheme::default(), 2).unwrap();
-    let positions = Cochain::new((0..25).map(|v| Vector3::new((v % 5) as f64, (v / 5) as f64, 0.0)).collect());
+    let positions =
+        Cochain::new((0..25).map(|v| Vector3::new((v % 5) as f64, (v / 5) as f64, 0.0)).collect());
     let vector = Vector3::new(0.4, -0.9, 0.0);
     let form = constant_form(hierarchy.level(0).mesh(), &positions, vector);
     let (positions, form) = (hierarchy.subdivide(&positions), hierarchy.subdivide(&form));

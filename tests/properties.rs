@@ -3,8 +3,8 @@
 mod common;
 
 use approx::assert_relative_eq;
-use common::meshes::random_cage;
-use common::{assert_laws, EXACT};
+use common::meshes::{random_cage, random_triangles};
+use common::{EXACT, assert_laws, triangle_schemes};
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::scheme::{DooSabin, Scheme};
@@ -32,11 +32,25 @@ proptest! {
         assert_laws("random", &cage, Scheme::Catmark(weights), 3);
     }
 
+    #[test]
+    fn laws_hold_on_triangles(cage in random_triangles(), scheme in 0usize..7) {
+        let scheme = triangle_schemes()[scheme];
+        assert_laws("random triangles", &cage, scheme, 3);
+    }
+
+    #[test]
+    fn laws_hold_for_bilinear(cage in random_cage()) {
+        assert_laws("random", &cage, Scheme::Bilinear, 2);
+    }
+
     /// Applying form (A) is applying the matrices, for every degree, and commutes.
     #[test]
-    fn refining_without_matrices_is_refining_with_them(cage in random_cage(), seed in 0u64..1000) {
-        let hierarchy = Hierarchy::new(&cage, Scheme::default(), 2).unwrap();
-        for level in 1..=2 {
+    fn refining_without_matrices_is_refining_with_them(
+        polygons in random_cage(), triangles in random_triangles(), scheme in 0usize..7, seed in 0u64..1000
+    ) {
+        let catmark = Hierarchy::new(&polygons, Scheme::default(), 2).unwrap();
+        let triangles = Hierarchy::new(&triangles, triangle_schemes()[scheme], 2).unwrap();
+        for (hierarchy, level) in [(&catmark, 1), (&catmark, 2), (&triangles, 1), (&triangles, 2)] {
             let (parent, child) = (hierarchy.level(level - 1).mesh(), hierarchy.level(level).mesh());
             let operators = hierarchy.operators(level);
             let x = Cochain::<0>::new(values(parent.num_vertices(), seed));

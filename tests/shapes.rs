@@ -1,17 +1,19 @@
-//! Every exact law, on every Catmull-Clark shape of OpenSubdiv's regression suite, three levels deep.
+//! Every exact law, three levels deep, on every bundled asset and every shape of OpenSubdiv's regression
+//! suite.
 
 mod common;
 
-use common::{assert_laws, shapes::shapes};
+use common::shapes::{Shape, shapes};
+use common::{assert_laws, triangle_schemes};
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
 use formwork::scheme::{DooSabin, Scheme};
-use formwork::topology::{Cage, QuadSplit, TopologyError};
+use formwork::topology::{Cage, HalfEdge, Parent, SplitKind, TopologyError};
 
 /// Shapes whose faces repeat a vertex: refused as they are, sound once collapsed.
 const COLLAPSED_POLES: [&str; 2] = ["catmark_nonman_quadpole8", "catmark_nonman_quadpole360"];
 
-fn cage(shape: &common::shapes::Shape) -> Cage {
+fn cage(shape: &Shape) -> Cage {
     let mut descriptor = shape.descriptor();
     if COLLAPSED_POLES.contains(&shape.name.as_str()) {
         assert!(matches!(Cage::new(descriptor.clone()), Err(TopologyError::RepeatedVertex { .. })));
@@ -22,51 +24,98 @@ fn cage(shape: &common::shapes::Shape) -> Cage {
     Cage::new(descriptor).unwrap_or_else(|error| panic!("{}: {error}", shape.name))
 }
 
-#[test]
-fn exact_laws_hold_on_every_shape() {
-    let Some(shapes) = shapes("catmark") else { return };
+/// The first scheme three levels deep; the others differ from it in the first level as in any.
+fn assert_laws_on_shapes(family: &str, schemes: &[Scheme]) {
+    let Some(shapes) = shapes(family) else { return };
     let (mut worst, mut worst_s0) = (0.0f64, 0.0f64);
     for shape in &shapes {
         let cage = cage(shape);
-        let weights = [DooSabin::Thesis, DooSabin::Original];
-        // The second choice of weights changes S1 and S2 only: one level of it is enough.
-        for (weights, levels) in weights.into_iter().zip([3, 1]) {
-            let report = assert_laws(&shape.name, &cage, Scheme::Catmark(weights), levels);
+        for (i, &scheme) in schemes.iter().enumerate() {
+            let report = assert_laws(&shape.name, &cage, scheme, if i == 0 { 3 } else { 1 });
             worst = worst.max(report.worst());
-            worst_s0 = report.levels.iter().fold(worst_s0, |w, row| w.max(row.s0_minus_opensubdiv));
+            worst_s0 =
+                report.levels.iter().filter_map(|row| row.s0_minus_opensubdiv).fold(worst_s0, f64::max);
         }
     }
-    println!("{} shapes: worst law {worst:.1e}, worst S0 weight {worst_s0:.1e}", shapes.len());
+    println!("{} {family} shapes: worst law {worst:.1e}, worst S0 weight {worst_s0:.1e}", shapes.len());
+}
+
+#[test]
+fn laws_hold_on_every_catmark_shape() {
+    assert_laws_on_shapes("catmark", &[DooSabin::Thesis, DooSabin::Original].map(Scheme::Catmark));
+}
+
+#[test]
+fn laws_hold_on_every_loop_shape() {
+    let mut schemes = triangle_schemes();
+    schemes.swap(0, 1); // Loop itself first
+    assert_laws_on_shapes("loop", &schemes);
+}
+
+#[test]
+fn laws_hold_on_every_bilinear_shape() {
+    assert_laws_on_shapes("bilinear", &[Scheme::Bilinear]);
+}
+
+#[test]
+fn laws_hold_on_every_asset() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let mut meshes = 0;
+    for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.extension().is_none_or(|extension| extension != "obj") {
+            continue;
+        }
+        let cage = formwork::io::obj::read(&path).unwrap().cage().unwrap();
+        let mut schemes = vec![Scheme::default(), Scheme::Catmark(DooSabin::Original), Scheme::Bilinear];
+        schemes.extend(triangle_schemes());
+        schemes.retain(|scheme| scheme.split(&cage.descriptor().face_sizes).is_ok());
+        for &scheme in &schemes {
+            assert_laws(&path.display().to_string(), &cage, scheme, 3);
+        }
+        meshes += 1;
+    }
+    assert!(meshes >= 7);
 }
 
 #[test]
 fn numbering_and_parents_are_opensubdivs() {
-    let Some(shapes) = shapes("catmark") else { return };
-    for shape in &shapes {
-        let cage = cage(shape);
-        let hierarchy = Hierarchy::new(&cage, Scheme::default(), 2).unwrap();
-        let mut refiner = Refiner::new(&cage).unwrap();
-        refiner.refine_uniform(2).unwrap();
-        for level in 0..2 {
-            let mesh = hierarchy.level(level).mesh();
-            let split = QuadSplit::of(mesh);
-            let children = refiner.children(level).unwrap();
-            use formwork::topology::{HalfEdge, Parent};
-            for (v, &child) in children.vertex_vertex.iter().enumerate() {
-                assert_eq!(split.vertex_of(Parent::Vertex(v as u32)), child, "{}", shape.name);
-            }
-            for (f, &child) in children.face_vertex.iter().enumerate() {
-                assert_eq!(split.vertex_of(Parent::Face(f as u32)), child, "{}", shape.name);
-            }
-            for (e, &child) in children.edge_vertex.iter().enumerate() {
-                assert_eq!(split.vertex_of(Parent::Edge(e as u32)), child, "{}", shape.name);
-            }
-            for (h, &child) in children.edge_edges.iter().enumerate() {
-                assert_eq!(split.even_edge(HalfEdge(h as u32)), child, "{}", shape.name);
-            }
-            let corners: Vec<u32> = (0..mesh.num_corners() as u32).collect();
-            assert_eq!(children.face_edges, corners, "{}", shape.name);
-            assert_eq!(children.face_faces, corners, "{}", shape.name);
+    let loop_ = triangle_schemes()[1];
+    for (family, scheme) in [("catmark", Scheme::default()), ("loop", loop_), ("bilinear", Scheme::Bilinear)]
+    {
+        let Some(shapes) = shapes(family) else { return };
+        for shape in &shapes {
+            assert_numbering(shape, scheme);
+        }
+    }
+}
+
+fn assert_numbering(shape: &Shape, scheme: Scheme) {
+    let (cage, name) = (cage(shape), &shape.name);
+    let hierarchy = Hierarchy::new(&cage, scheme, 2).unwrap();
+    let kind = hierarchy.refinement(1).split().kind();
+    let mut refiner = Refiner::new(&cage, scheme.opensubdiv(kind)).unwrap();
+    refiner.refine_uniform(2).unwrap();
+    for level in 0..2 {
+        let mesh = hierarchy.level(level).mesh();
+        let split = hierarchy.refinement(level + 1).split();
+        let children = refiner.children(level).unwrap();
+        let cells = |count: usize| 0..count as u32;
+        let vertices_of = |count, parent: fn(u32) -> Parent| -> Vec<u32> {
+            cells(count).map(|cell| split.vertex_of(parent(cell))).collect()
+        };
+        assert_eq!(children.vertex_vertex, vertices_of(mesh.num_vertices(), Parent::Vertex), "{name}");
+        assert_eq!(children.edge_vertex, vertices_of(mesh.num_edges(), Parent::Edge), "{name}");
+        if kind == SplitKind::Quad {
+            assert_eq!(children.face_vertex, vertices_of(mesh.num_faces(), Parent::Face), "{name}");
+        }
+        let halves: Vec<u32> = cells(2 * mesh.num_edges()).map(|h| split.even_edge(HalfEdge(h))).collect();
+        assert_eq!(children.edge_edges, halves, "{name}");
+        assert_eq!(children.face_edges, cells(mesh.num_corners()).collect::<Vec<_>>(), "{name}");
+        // OpenSubdiv lists the children of each face together, and so do we, corner after corner.
+        assert_eq!(children.face_faces, cells(split.num_children(2)).collect::<Vec<_>>(), "{name}");
+        for corner in cells(mesh.num_corners()) {
+            let child = split.face_at(mesh, corner);
+            assert_eq!(split.face_parent(mesh, child as usize), mesh.corner_face(corner), "{name}");
         }
     }
 }

@@ -3,13 +3,13 @@
 mod common;
 
 use common::meshes::{fan, grid, polygons, random_cage};
-use formwork::osd::Refiner;
+use formwork::osd::{OsdScheme, Refiner};
 use formwork::sparse::multiply;
 use formwork::topology::{Cage, Descriptor, HalfEdge, Mesh, Survey};
 use proptest::prelude::*;
 
 fn mesh(descriptor: Descriptor) -> Mesh {
-    Refiner::new(&Cage::new(descriptor).unwrap()).unwrap().mesh(0).unwrap()
+    Refiner::new(&Cage::new(descriptor).unwrap(), OsdScheme::Catmark).unwrap().mesh(0).unwrap()
 }
 
 fn survey(descriptor: Descriptor) -> Survey {
@@ -22,7 +22,7 @@ proptest! {
     /// Every corner lies in one fan; neighbours in a fan share the spoke between them.
     #[test]
     fn fans_hang_together(cage in random_cage()) {
-        let mesh = Refiner::new(&cage).unwrap().mesh(0).unwrap();
+        let mesh = Refiner::new(&cage, OsdScheme::Catmark).unwrap().mesh(0).unwrap();
         let mut seen = vec![0; mesh.num_corners()];
         for v in 0..mesh.num_vertices() as u32 {
             for fan in mesh.fans(v) {
@@ -50,7 +50,7 @@ proptest! {
 
     #[test]
     fn the_boundary_of_a_boundary_is_empty(cage in random_cage()) {
-        let mut refiner = Refiner::new(&cage).unwrap();
+        let mut refiner = Refiner::new(&cage, OsdScheme::Catmark).unwrap();
         refiner.refine_uniform(1).unwrap();
         for level in 0..2 {
             let mesh = refiner.mesh(level).unwrap();
@@ -76,7 +76,10 @@ fn surfaces_are_recognised() {
     assert_eq!(torus.valences, [(4, 20)]);
 
     let disk = survey(grid(3, 2, false));
-    assert_eq!((disk.euler_characteristic, disk.genus, disk.boundary_loops, disk.boundary_edges), (1, Some(0), 1, 10));
+    assert_eq!(
+        (disk.euler_characteristic, disk.genus, disk.boundary_loops, disk.boundary_edges),
+        (1, Some(0), 1, 10)
+    );
     assert_eq!(disk.valences, [(2, 4), (3, 6), (4, 2)]);
 
     // An annulus: a 3 x 3 grid without its middle.
@@ -98,7 +101,16 @@ fn surfaces_are_recognised() {
 
     // A Moebius band of five quads: one edge is run along twice in the same direction.
     let at = |i: u32, side: u32| if i == 5 { 1 - side } else { 2 * i + side };
-    let band: Vec<Vec<u32>> = (0..5).map(|i| vec![at(i, 0), if i == 4 { 1 } else { at(i + 1, 0) }, if i == 4 { 0 } else { at(i + 1, 1) }, at(i, 1)]).collect();
+    let band: Vec<Vec<u32>> = (0..5)
+        .map(|i| {
+            vec![
+                at(i, 0),
+                if i == 4 { 1 } else { at(i + 1, 0) },
+                if i == 4 { 0 } else { at(i + 1, 1) },
+                at(i, 1),
+            ]
+        })
+        .collect();
     assert_eq!(survey(polygons(10, &band)).non_manifold_edges, 1);
 }
 
@@ -106,5 +118,12 @@ fn surfaces_are_recognised() {
 fn edges_follow_opensubdivs_numbering() {
     let mesh = mesh(grid(2, 1, false));
     assert_eq!(mesh.edges(), [[0, 1], [1, 4], [4, 3], [3, 0], [1, 2], [2, 5], [5, 4]]);
-    assert_eq!(mesh.face_half_edges(1), [4, 5, 6].map(|e| HalfEdge::new(e, true)).into_iter().chain([HalfEdge::new(1, false)]).collect::<Vec<_>>());
+    assert_eq!(
+        mesh.face_half_edges(1),
+        [4, 5, 6]
+            .map(|e| HalfEdge::new(e, true))
+            .into_iter()
+            .chain([HalfEdge::new(1, false)])
+            .collect::<Vec<_>>()
+    );
 }

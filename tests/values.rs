@@ -6,84 +6,20 @@
 
 mod common;
 
-use std::collections::BTreeMap;
-
 use approx::assert_abs_diff_eq;
 use common::meshes::{fan, grid, polygons};
-use formwork::hierarchy::{Hierarchy, Operators};
+use common::step::{Step, WEIGHT, assert_row};
 use formwork::scheme::{DooSabin, Scheme};
-use formwork::sparse::row_of;
-use formwork::topology::{BoundaryInterpolation, Cage, Crease, Descriptor, HalfEdge, Mesh, Parent, TriangleSubdivision};
+use formwork::symbol::{Lattice, Rational, smooth};
+use formwork::topology::{BoundaryInterpolation, Crease, Descriptor, Parent, TriangleSubdivision};
 
-const WEIGHT: f64 = 1e-15;
-
-/// One step of refinement, with rows named by cells of the cage.
-struct Step {
-    hierarchy: Hierarchy,
-    operators: Operators,
-}
-
-impl Step {
-    fn new(descriptor: Descriptor, weights: DooSabin) -> Self {
-        let cage = Cage::new(descriptor).unwrap();
-        let hierarchy = Hierarchy::new(&cage, Scheme::Catmark(weights), 1).unwrap();
-        let operators = hierarchy.operators(1);
-        Step { hierarchy, operators }
-    }
-
-    fn mesh(&self) -> &Mesh {
-        self.hierarchy.level(0).mesh()
-    }
-
-    fn edge(&self, a: u32, b: u32) -> HalfEdge {
-        self.mesh().find_half_edge(a, b).unwrap()
-    }
-
-    /// The row of S1 along the child edge between the children of two cells, as directed coarse edges.
-    fn s1(&self, from: Parent, to: Parent) -> BTreeMap<(u32, u32), f64> {
-        let split = self.hierarchy.refinement(1).split();
-        let child = self.hierarchy.level(1).mesh();
-        let h = child.find_half_edge(split.vertex_of(from), split.vertex_of(to)).unwrap();
-        let (columns, weights) = row_of(&self.operators.s1, h.edge() as usize);
-        let directed = |(&e, &w): (&u32, &f64)| {
-            let [a, b] = self.mesh().edges()[e as usize];
-            if w * h.sign() < 0.0 { ((b, a), w.abs()) } else { ((a, b), w.abs()) }
-        };
-        columns.iter().zip(weights).map(directed).collect()
-    }
-
-    /// `v -> m(v, w)`.
-    fn even(&self, v: u32, w: u32) -> BTreeMap<(u32, u32), f64> {
-        self.s1(Parent::Vertex(v), Parent::Edge(self.edge(v, w).edge()))
-    }
-
-    /// `m(a, b) -> p_f`, f being left of a -> b.
-    fn odd(&self, a: u32, b: u32) -> BTreeMap<(u32, u32), f64> {
-        let h = self.edge(a, b);
-        let face = self.mesh().corner_face(self.mesh().left_corner(h).unwrap());
-        self.s1(Parent::Edge(h.edge()), Parent::Face(face))
-    }
-
-    /// The row of S2 of the child of face `f` at vertex `v`, by coarse face.
-    fn s2(&self, f: u32, v: u32) -> BTreeMap<u32, f64> {
-        let mesh = self.mesh();
-        let corner = mesh.corners(f).find(|&c| mesh.corner_vertex(c) == v).unwrap();
-        let (columns, weights) = row_of(&self.operators.s2, corner as usize);
-        columns.iter().copied().zip(weights.iter().copied()).collect()
-    }
-}
-
-fn assert_row<K: Ord + Copy + std::fmt::Debug>(row: &BTreeMap<K, f64>, expected: &[(K, f64)]) {
-    let expected: BTreeMap<K, f64> = expected.iter().copied().filter(|(_, w)| *w != 0.0).collect();
-    assert_eq!(row.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>(), "{row:?} {expected:?}");
-    for (key, &weight) in &expected {
-        assert_abs_diff_eq!(row[key], weight, epsilon = WEIGHT);
-    }
+fn catmark(descriptor: Descriptor, weights: DooSabin) -> Step {
+    Step::new(descriptor, Scheme::Catmark(weights))
 }
 
 /// Both choices of face weights are regular where the mesh is.
 fn both(descriptor: &Descriptor) -> [Step; 2] {
-    [DooSabin::Thesis, DooSabin::Original].map(|weights| Step::new(descriptor.clone(), weights))
+    [DooSabin::Thesis, DooSabin::Original].map(|weights| catmark(descriptor.clone(), weights))
 }
 
 /// The vertex of a 8 x 8 torus at `(3 + i, 3 + j)`.
@@ -101,7 +37,8 @@ fn regular_rows_are_those_of_cubic_and_quadratic_splines() {
     for step in both(&grid(8, 8, true)) {
         let row = step.even(v(0, 0), v(1, 0));
         let x = |i, j| (v(i, j), v(i + 1, j));
-        let expected = [(x(0, 0), 18.), (x(-1, 0), 6.), (x(0, 1), 3.), (x(0, -1), 3.), (x(-1, 1), 1.), (x(-1, -1), 1.)];
+        let expected =
+            [(x(0, 0), 18.), (x(-1, 0), 6.), (x(0, 1), 3.), (x(0, -1), 3.), (x(-1, 1), 1.), (x(-1, -1), 1.)];
         assert_row(&row, &expected.map(|(e, w)| (e, w / 64.0)));
 
         let row = step.odd(v(0, 0), v(1, 0));
@@ -138,7 +75,7 @@ fn extraordinary_vertices_follow_appendix_c() {
                     m => xi[m] + xi[k - m],
                 }
         };
-        let step = Step::new(fan(&vec![4; k]), DooSabin::Thesis);
+        let step = catmark(fan(&vec![4; k]), DooSabin::Thesis);
         let w = |m: usize| 1 + (m % k) as u32;
         let q = |m: usize| (1 + k + m % k) as u32;
         for spoke in 0..k {
@@ -166,10 +103,14 @@ fn extraordinary_vertices_follow_appendix_c() {
 #[test]
 fn doo_and_sabins_own_weights_are_an_option() {
     for k in 3..=12usize {
-        let step = Step::new(fan(&vec![4; k]), DooSabin::Original);
+        let step = catmark(fan(&vec![4; k]), DooSabin::Original);
         let alpha = |j: usize| {
             let turn = std::f64::consts::TAU * j as f64 / k as f64;
-            if j == 0 { (k as f64 + 5.0) / (4.0 * k as f64) } else { (3.0 + 2.0 * turn.cos()) / (4.0 * k as f64) }
+            if j == 0 {
+                (k as f64 + 5.0) / (4.0 * k as f64)
+            } else {
+                (3.0 + 2.0 * turn.cos()) / (4.0 * k as f64)
+            }
         };
         let row = step.s2(2, 0);
         assert_row(&row, &(0..k).map(|j| (((2 + j) % k) as u32, alpha(j) / 4.0)).collect::<Vec<_>>());
@@ -180,21 +121,24 @@ fn doo_and_sabins_own_weights_are_an_option() {
 #[test]
 fn polygons_share_by_their_number_of_corners() {
     let sizes = [3, 4, 5, 6, 4];
-    let step = Step::new(fan(&sizes), DooSabin::Thesis);
+    let step = catmark(fan(&sizes), DooSabin::Thesis);
     let gamma = 1.0 / 20.0;
     let alpha = [0.5 + gamma, 0.125 + gamma, gamma, gamma, 0.125 + gamma];
     let row = step.s2(2, 0);
-    let expected: Vec<_> = (0..5).map(|j| (2 + j) % 5).map(|i| (i as u32, alpha[(i + 3) % 5] / f64::from(sizes[i]))).collect();
+    let expected: Vec<_> =
+        (0..5).map(|j| (2 + j) % 5).map(|i| (i as u32, alpha[(i + 3) % 5] / f64::from(sizes[i]))).collect();
     assert_row(&row, &expected);
 
     // A lone pentagon: no face beyond its edges, so the odd child is the Whitney lift, (n - 2t)/(2n).
-    let step = Step::new(polygons(5, &[vec![0, 1, 2, 3, 4]]), DooSabin::Thesis);
+    let step = catmark(polygons(5, &[vec![0, 1, 2, 3, 4]]), DooSabin::Thesis);
     assert_row(&step.odd(0, 1), &[((1, 2), 0.3), ((2, 3), 0.1), ((4, 3), 0.1), ((0, 4), 0.3)]);
 }
 
 #[test]
 fn boundary_rows_are_splines_reflected_evenly() {
-    for boundary in [BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner, BoundaryInterpolation::None] {
+    for boundary in
+        [BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner, BoundaryInterpolation::None]
+    {
         for step in both(&Descriptor { boundary, ..grid(5, 5, false) }) {
             // Columns of six vertices; the boundary runs along the bottom row.
             let (left, here, right, up) = (1, 2, 3, 8);
@@ -206,7 +150,10 @@ fn boundary_rows_are_splines_reflected_evenly() {
             // Side children of the boundary faces, and the child in the corner.
             assert_row(&step.s2(2, here), &[(2, 3.0 / 16.0), (1, 1.0 / 16.0)]);
             assert_row(&step.s2(0, 0), &[(0, 0.25)]);
-            assert_row(&step.s2(2, up), &[9., 3., 3., 1.].iter().zip([2, 1, 7, 6]).map(|(w, f)| (f, w / 64.0)).collect::<Vec<_>>());
+            assert_row(
+                &step.s2(2, up),
+                &[9., 3., 3., 1.].iter().zip([2, 1, 7, 6]).map(|(w, f)| (f, w / 64.0)).collect::<Vec<_>>(),
+            );
         }
     }
 }
@@ -214,9 +161,12 @@ fn boundary_rows_are_splines_reflected_evenly() {
 /// At the boundary vertex of the corner face, `EdgeOnly` rounds and `EdgeAndCorner` keeps.
 #[test]
 fn corners_keep_half_of_their_edges() {
-    let step = |boundary| Step::new(Descriptor { boundary, ..grid(3, 3, false) }, DooSabin::Thesis);
-    assert_row(&step(BoundaryInterpolation::EdgeAndCorner).even(0, 1), &[((0, 1), 0.5)]);
-    assert_row(&step(BoundaryInterpolation::EdgeOnly).even(0, 1), &[((0, 1), 3.0 / 8.0), ((4, 0), 1.0 / 8.0)]);
+    let corner = |boundary| catmark(Descriptor { boundary, ..grid(3, 3, false) }, DooSabin::Thesis);
+    assert_row(&corner(BoundaryInterpolation::EdgeAndCorner).even(0, 1), &[((0, 1), 0.5)]);
+    assert_row(
+        &corner(BoundaryInterpolation::EdgeOnly).even(0, 1),
+        &[((0, 1), 3.0 / 8.0), ((4, 0), 1.0 / 8.0)],
+    );
 }
 
 fn creased_torus(sharpness: f32) -> Descriptor {
@@ -228,7 +178,10 @@ fn creased_torus(sharpness: f32) -> Descriptor {
 #[test]
 fn creases_are_boundaries_from_both_sides() {
     for step in both(&creased_torus(10.0)) {
-        assert_row(&step.even(v(0, 0), v(1, 0)), &[((v(0, 0), v(1, 0)), 0.375), ((v(-1, 0), v(0, 0)), 0.125)]);
+        assert_row(
+            &step.even(v(0, 0), v(1, 0)),
+            &[((v(0, 0), v(1, 0)), 0.375), ((v(-1, 0), v(0, 0)), 0.125)],
+        );
         for up in [1, -1] {
             let across = [(0, 24.0), (-1, 4.0), (1, 4.0)].map(|(i, w)| ((v(i, 0), v(i, up)), w / 64.0));
             assert_row(&step.even(v(0, 0), v(0, up)), &across);
@@ -241,16 +194,23 @@ fn creases_are_boundaries_from_both_sides() {
 /// OpenSubdiv blends the rules of a crease that decays within the step; so do S1 and S2, entry by entry.
 #[test]
 fn fractional_creases_blend_linearly() {
-    let [blended, sharp, smooth] = [0.3, 10.0, 0.0].map(|s| Step::new(creased_torus(s), DooSabin::Thesis).operators);
+    let [blended, sharp, smooth] =
+        [0.3, 10.0, 0.0].map(|s| catmark(creased_torus(s), DooSabin::Thesis).operators);
     let p = f64::from(0.3f32);
-    for (blended, sharp, smooth) in
-        [(&blended.s0, &sharp.s0, &smooth.s0), (&blended.s1, &sharp.s1, &smooth.s1), (&blended.s2, &sharp.s2, &smooth.s2)]
-    {
+    for (blended, sharp, smooth) in [
+        (&blended.s0, &sharp.s0, &smooth.s0),
+        (&blended.s1, &sharp.s1, &smooth.s1),
+        (&blended.s2, &sharp.s2, &smooth.s2),
+    ] {
         for row in 0..blended.rows() {
             for column in 0..blended.cols() {
                 let entry = |m: &formwork::sparse::Csr| m.get(row, column).copied().unwrap_or(0.0);
                 // OpenSubdiv forms 1 - p in single precision.
-                assert_abs_diff_eq!(entry(blended), p * entry(sharp) + (1.0 - p) * entry(smooth), epsilon = 1e-8);
+                assert_abs_diff_eq!(
+                    entry(blended),
+                    p * entry(sharp) + (1.0 - p) * entry(smooth),
+                    epsilon = 1e-8
+                );
             }
         }
     }
@@ -272,7 +232,9 @@ fn darts_are_smooth_vertices_with_one_sharp_edge() {
 
 #[test]
 fn smooth_triangle_rule_changes_the_weight_of_faces() {
-    let two = |triangles| Step::new(Descriptor { triangles, ..polygons(4, &[vec![0, 1, 2], vec![1, 0, 3]]) }, DooSabin::Thesis);
+    let two = |triangles| {
+        catmark(Descriptor { triangles, ..polygons(4, &[vec![0, 1, 2], vec![1, 0, 3]]) }, DooSabin::Thesis)
+    };
     for (rule, tau) in [(TriangleSubdivision::Catmark, 0.25), (TriangleSubdivision::Smooth, 0.47)] {
         let (own, beyond) = ((1.0 - tau) / 6.0, tau / 6.0);
         assert_row(&two(rule).odd(0, 1), &[((1, 2), own), ((0, 2), own), ((3, 1), beyond), ((3, 0), beyond)]);
@@ -290,5 +252,44 @@ fn nothing_crosses_a_non_manifold_edge() {
             }
         }
         assert_row(&step.even(0, 1), &[((0, 1), 0.5)]);
+    }
+}
+
+/// The whole of the regular interior, every class of cells, against the exact tensor-product convolution.
+#[test]
+fn regular_rows_are_those_of_the_symbols() {
+    let symbols = [0, 1, 2].map(|r| smooth(Lattice::Quads, r));
+    let weight = |w: Rational| *w.numer() as f64 / *w.denom() as f64;
+    let at = |(i, j): (i32, i32)| v(i, j);
+    for step in both(&grid(8, 8, true)) {
+        // The cell of the torus whose child lies at a position of the fine lattice.
+        let cell = |(i, j): (i32, i32)| {
+            let here = (i.div_euclid(2), j.div_euclid(2));
+            match (i.rem_euclid(2), j.rem_euclid(2)) {
+                (0, 0) => Parent::Vertex(at(here)),
+                (1, 0) => Parent::Edge(step.edge(at(here), v(here.0 + 1, here.1)).edge()),
+                (0, 1) => Parent::Edge(step.edge(at(here), v(here.0, here.1 + 1)).edge()),
+                _ => Parent::Face(f(here.0, here.1)),
+            }
+        };
+        for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let terms = symbols[0].stencil(0, (i, j)).into_iter().map(|(_, q, w)| (at(q), weight(w)));
+            assert_row(&step.s0(cell((i, j))), &terms.collect::<Vec<_>>());
+            for (direction, (di, dj)) in [(1, 0), (0, 1)].into_iter().enumerate() {
+                let terms = symbols[1].stencil(direction, (i, j)).into_iter().map(|(d, q, w)| {
+                    let end = if d == 0 { (q.0 + 1, q.1) } else { (q.0, q.1 + 1) };
+                    ((at(q), at(end)), weight(w))
+                });
+                assert_row(&step.s1(cell((i, j)), cell((i + di, j + dj))), &terms.collect::<Vec<_>>());
+            }
+            let split = step.hierarchy.refinement(1).split();
+            let child = step.hierarchy.level(1).mesh();
+            let h = child
+                .find_half_edge(split.vertex_of(cell((i, j))), split.vertex_of(cell((i + 1, j))))
+                .unwrap();
+            let row = step.s2_row(child.corner_face(child.left_corner(h).unwrap()));
+            let terms = symbols[2].stencil(0, (i, j)).into_iter().map(|(_, q, w)| (f(q.0, q.1), weight(w)));
+            assert_row(&row, &terms.collect::<Vec<_>>());
+        }
     }
 }

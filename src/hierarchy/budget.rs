@@ -1,20 +1,20 @@
 use super::HierarchyError;
 use crate::osd::MAX_LEVELS;
-use crate::topology::Cage;
+use crate::topology::{Cage, SplitKind};
 
 /// What a hierarchy costs for each face of its finest level, OpenSubdiv's refiner included, all levels
 /// together. Measured with `cargo bench` (its last table prints the peak); rounded up.
 const BYTES_PER_FACE: u128 = 1200;
 
 /// Refuses a hierarchy that cannot fit, before OpenSubdiv fills the memory trying.
-pub(super) fn check(cage: &Cage, levels: usize) -> Result<(), HierarchyError> {
+pub(super) fn check(cage: &Cage, split: SplitKind, levels: usize) -> Result<(), HierarchyError> {
     if levels > MAX_LEVELS {
         return Err(HierarchyError::TooManyLevels { levels });
     }
     let d = cage.descriptor();
-    let faces = match levels {
-        0 => d.face_sizes.len() as u128,
-        _ => (d.face_vertices.len() as u128) << (2 * (levels - 1)),
+    let faces = match (split, levels) {
+        (SplitKind::Quad, 1..) => (d.face_vertices.len() as u128) << (2 * (levels - 1)),
+        _ => (d.face_sizes.len() as u128) << (2 * levels),
     };
     // Of all counts the corners are the most, four a face.
     if 4 * faces > i32::MAX as u128 {

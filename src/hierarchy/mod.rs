@@ -6,9 +6,9 @@ mod refinement;
 pub use refinement::{Operators, Refinement};
 
 use crate::cochain::{Cochain, Value};
-use crate::osd::{OsdError, Refiner, Tags, MAX_LEVELS};
-use crate::scheme::Scheme;
-use crate::topology::{Cage, Mesh, QuadSplit};
+use crate::osd::{MAX_LEVELS, OsdError, Refiner, Tags};
+use crate::scheme::{Scheme, SchemeError};
+use crate::topology::{Cage, Mesh, Split, SplitKind};
 
 /// A control cage refined a number of times, with the operators between the levels.
 ///
@@ -47,14 +47,20 @@ impl Level {
 pub enum HierarchyError {
     #[error("{levels} levels: OpenSubdiv refines at most {MAX_LEVELS}, ask for fewer")]
     TooManyLevels { levels: usize },
-    #[error("level {level} is too large: {faces} faces are more than 32-bit numbers can index, ask for fewer levels")]
+    #[error(
+        "level {level} is too large: {faces} faces are more than 32-bit numbers can index, ask for fewer levels"
+    )]
     TooManyFaces { level: usize, faces: u128 },
     #[error(
         "refining to level {level} ({faces} faces) needs about {needed_mib} MiB of memory and {available_mib} MiB are free: ask for fewer levels"
     )]
     TooMuchMemory { level: usize, faces: u128, needed_mib: u128, available_mib: u128 },
-    #[error("this OpenSubdiv numbers the children of level {level} in an order that formwork does not know: use version 3.5 or 3.6")]
+    #[error(
+        "this OpenSubdiv numbers the children of level {level} in an order that formwork does not know: use version 3.5 or 3.6"
+    )]
     UnknownNumbering { level: usize },
+    #[error(transparent)]
+    Scheme(#[from] SchemeError),
     #[error(transparent)]
     Osd(#[from] OsdError),
 }
@@ -63,7 +69,7 @@ impl Hierarchy {
     /// Refines `cage` to level `levels` (0 keeps the cage alone).
     ///
     /// # Errors
-    /// If there are too many levels, the result would not fit memory or 32-bit numbers, or OpenSubdiv
+    /// If the scheme does not take the cage, there are too many levels, the result would not fit memory or 32-bit numbers, or OpenSubdiv
     /// fails.
     pub fn new(cage: &Cage, scheme: Scheme, levels: usize) -> Result<Self, HierarchyError> {
         Self::with_progress(cage, scheme, levels, |_| ())
@@ -79,17 +85,17 @@ impl Hierarchy {
         levels: usize,
         mut progress: impl FnMut(usize),
     ) -> Result<Self, HierarchyError> {
-        let refiner = refiner(cage, levels)?;
+        let (refiner, kind) = refiner(cage, scheme, levels)?;
         let level = |l| Ok::<_, OsdError>(Level { mesh: refiner.mesh(l)?, tags: refiner.tags(l)? });
         let mut hierarchy = Hierarchy { levels: vec![level(0)?], refinements: Vec::new() };
         progress(0);
         for l in 1..=levels {
             let (parent, child) = (hierarchy.finest().mesh(), level(l)?);
-            let split = QuadSplit::of(parent);
+            let split = Split::new(kind, parent);
             if !split.describes(parent, &child.mesh) {
                 return Err(HierarchyError::UnknownNumbering { level: l });
             }
-            let homotopy = scheme.homotopy(parent, &refiner.masks(l - 1)?);
+            let homotopy = scheme.homotopy(kind, parent, &refiner.masks(l - 1)?);
             hierarchy.refinements.push(Refinement::new(split, homotopy));
             hierarchy.levels.push(child);
             progress(l);
@@ -149,12 +155,18 @@ impl Hierarchy {
     }
 }
 
-/// A refiner of `cage` with `levels` levels, once it is certain that they fit.
-pub(crate) fn refiner(cage: &Cage, levels: usize) -> Result<Refiner, HierarchyError> {
-    budget::check(cage, levels)?;
-    let mut refiner = Refiner::new(cage)?;
+/// A refiner of `cage` with `levels` levels and the way it splits, once it is certain that the scheme
+/// takes the cage and that the levels fit.
+pub(crate) fn refiner(
+    cage: &Cage,
+    scheme: Scheme,
+    levels: usize,
+) -> Result<(Refiner, SplitKind), HierarchyError> {
+    let split = scheme.split(&cage.descriptor().face_sizes)?;
+    budget::check(cage, split, levels)?;
+    let mut refiner = Refiner::new(cage, scheme.opensubdiv(split))?;
     if levels > 0 {
         refiner.refine_uniform(levels)?;
     }
-    Ok(refiner)
+    Ok((refiner, split))
 }

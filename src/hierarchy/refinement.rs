@@ -1,14 +1,14 @@
 use rayon::prelude::*;
 
-use crate::cochain::{along, d1, Cochain, Value};
-use crate::scheme::{whitney, Homotopy};
-use crate::sparse::{apply, assemble, dot, row_of, zero, Csr};
-use crate::topology::{Mesh, QuadSplit};
+use crate::cochain::{Cochain, Value, along, d1};
+use crate::scheme::{Homotopy, whitney};
+use crate::sparse::{Csr, apply, assemble, dot, row_of, zero};
+use crate::topology::{Mesh, Split};
 
 /// One step of refinement: the split and the two tables of the scheme.
 #[derive(Clone, Debug)]
 pub struct Refinement {
-    split: QuadSplit,
+    split: Split,
     homotopy: Homotopy,
 }
 
@@ -24,12 +24,12 @@ pub struct Operators {
 }
 
 impl Refinement {
-    pub(super) fn new(split: QuadSplit, homotopy: Homotopy) -> Self {
+    pub(super) fn new(split: Split, homotopy: Homotopy) -> Self {
         Refinement { split, homotopy }
     }
 
     /// The numbering of the children.
-    pub fn split(&self) -> &QuadSplit {
+    pub fn split(&self) -> &Split {
         &self.split
     }
 
@@ -52,7 +52,7 @@ impl Refinement {
             whitney::w0(parent, self.split.vertex_parent(vertex), |v, weight| row.add(v, weight));
         });
         let s1 = assemble(shape(1), |edge, row| {
-            whitney::w1(parent, self.split.edge_parent(edge), |h, weight| {
+            whitney::w1(parent, self.split.kind(), self.split.edge_parent(edge), |h, weight| {
                 row.add(h.edge(), weight * h.sign())
             });
             let [tail, head] = child.edges()[edge];
@@ -65,8 +65,8 @@ impl Refinement {
             }
         });
         let s2 = assemble(shape(2), |face, row| {
-            let of = parent.corner_face(face as u32);
-            row.add(of, whitney::w2(parent, of));
+            let of = self.split.face_parent(parent, face);
+            row.add(of, whitney::w2(parent, self.split.kind(), of));
             for h in child.face_half_edges(face as u32) {
                 row.add_row(h1, h.edge() as usize, h.sign());
             }
@@ -120,7 +120,7 @@ impl Refinement {
             .enumerate()
             .map(|(edge, &[tail, head])| {
                 let mut sum = displacement[head as usize] - displacement[tail as usize];
-                whitney::w1(parent, self.split.edge_parent(edge), |h, weight| {
+                whitney::w1(parent, self.split.kind(), self.split.edge_parent(edge), |h, weight| {
                     sum = sum + along(c, h) * weight;
                 });
                 match dot(row_of(&self.homotopy.h1, edge), &curl) {
@@ -136,8 +136,8 @@ impl Refinement {
         (0..child.num_faces() as u32)
             .into_par_iter()
             .map(|face| {
-                let of = parent.corner_face(face);
-                let share = density[of as usize] * whitney::w2(parent, of);
+                let of = self.split.face_parent(parent, face as usize);
+                let share = density[of as usize] * whitney::w2(parent, self.split.kind(), of);
                 let boundary = child.face_half_edges(face).iter();
                 boundary.fold(share, |sum, h| sum + across[h.edge() as usize] * h.sign())
             })

@@ -32,7 +32,7 @@ use npyz::{AutoSerialize, WriterBuilder};
 
 use super::{IoError, atomic};
 use crate::sparse::Csr;
-use crate::topology::{Mesh, Parent, QuadSplit};
+use crate::topology::{Mesh, Parent, Split};
 
 /// One level of a hierarchy.
 pub struct Level<'a> {
@@ -45,7 +45,7 @@ pub struct Level<'a> {
 /// The way from one level to the next.
 pub struct Step<'a> {
     /// The numbering of the children.
-    pub split: &'a QuadSplit,
+    pub split: &'a Split,
     /// `S0`, `S1` and `S2`.
     pub operators: [Csr; 3],
 }

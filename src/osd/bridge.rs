@@ -20,6 +20,7 @@ pub(super) mod ffi {
         creasing: u8,
         triangles: u8,
         left_handed: bool,
+        scheme: u8,
     }
 
     /// The sizes of one level's arrays.

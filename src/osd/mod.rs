@@ -10,7 +10,7 @@ mod bridge;
 use bridge::ffi;
 use cxx::UniquePtr;
 
-use crate::sparse::{assemble, Csr};
+use crate::sparse::{Csr, assemble};
 use crate::topology::{BoundaryInterpolation, Cage, CreasingMethod, Mesh, TriangleSubdivision};
 
 /// The most levels that OpenSubdiv refines.
@@ -25,6 +25,17 @@ impl From<cxx::Exception> for OsdError {
     fn from(exception: cxx::Exception) -> Self {
         OsdError(exception.what().to_owned())
     }
+}
+
+/// OpenSubdiv's subdivision schemes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OsdScheme {
+    /// `SCHEME_BILINEAR`: quad split.
+    Bilinear = 0,
+    /// `SCHEME_CATMARK`: quad split.
+    Catmark = 1,
+    /// `SCHEME_LOOP`: triangle split; takes triangles only.
+    Loop = 2,
 }
 
 /// The subdivision rule of a vertex: OpenSubdiv's `Sdc::Crease::Rule`.
@@ -68,7 +79,8 @@ pub struct Tags {
 
 /// The weights of S0 from one level to the next, in `f64`, keyed to corners and half-edges.
 ///
-/// With `p_f` the average of the vertices of face `f`, the children are
+/// With `p_f` the average of the vertices of face `f` (in Loop's scheme, for `m_e`, the vertex of the
+/// triangle opposite to `e`), the children are
 ///
 /// ```text
 /// m_e = edge_end[2e] a + edge_end[2e + 1] b + sum_f edge_face[c(f, e)] p_f        e = (a, b)
@@ -102,20 +114,20 @@ pub struct Masks {
     pub child_sharp: Vec<bool>,
 }
 
-/// The children of a level's cells, as OpenSubdiv numbers them: see [`crate::topology::QuadSplit`].
+/// The children of a level's cells, as OpenSubdiv numbers them: see [`crate::topology::Split`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Children {
     /// For each vertex its child vertex.
     pub vertex_vertex: Vec<u32>,
     /// For each edge its child vertex.
     pub edge_vertex: Vec<u32>,
-    /// For each face its child vertex.
+    /// For each face its child vertex; none in the triangle split.
     pub face_vertex: Vec<u32>,
     /// For each half-edge the half of its edge at its tail.
     pub edge_edges: Vec<u32>,
-    /// For each corner the child edge inside the face, towards the edge that leaves the corner.
+    /// For each corner the child edge inside the face that belongs to it.
     pub face_edges: Vec<u32>,
-    /// For each corner its child face.
+    /// For each face its child faces: one for each corner, and in the triangle split the one in the middle.
     pub face_faces: Vec<u32>,
 }
 
@@ -140,9 +152,13 @@ impl Refiner {
     /// A refiner with level 0 only.
     ///
     /// # Errors
-    /// If OpenSubdiv refuses the cage.
-    pub fn new(cage: &Cage) -> Result<Self, OsdError> {
+    /// If OpenSubdiv refuses the cage, or Loop's scheme is asked for a face that is not a triangle.
+    pub fn new(cage: &Cage, scheme: OsdScheme) -> Result<Self, OsdError> {
         let d = cage.descriptor();
+        // OpenSubdiv checks the sum of the sizes only, and crashes on what that lets through.
+        if scheme == OsdScheme::Loop && d.face_sizes.iter().any(|&size| size != 3) {
+            return Err(OsdError("SCHEME_LOOP was asked for a face that is not a triangle".into()));
+        }
         let crease_vertices: Vec<u32> = d.creases.iter().flat_map(|c| c.vertices).collect();
         let crease_sharpness: Vec<f32> = d.creases.iter().map(|c| c.sharpness).collect();
         let corner_vertices: Vec<u32> = d.corners.iter().map(|c| c.vertex).collect();
@@ -164,6 +180,7 @@ impl Refiner {
             creasing: u8::from(d.creasing == CreasingMethod::Chaikin),
             triangles: u8::from(d.triangles == TriangleSubdivision::Smooth),
             left_handed: d.left_handed,
+            scheme: scheme as u8,
         };
         Ok(Refiner(ffi::new_refiner(&arrays)?))
     }
@@ -219,7 +236,12 @@ impl Refiner {
                 face_hole: &mut face_hole,
             },
         )?;
-        Ok(Tags { edge_sharpness, vertex_sharpness, vertex_rule: rules(&vertex_rule), face_hole: flags(&face_hole) })
+        Ok(Tags {
+            edge_sharpness,
+            vertex_sharpness,
+            vertex_rule: rules(&vertex_rule),
+            face_hole: flags(&face_hole),
+        })
     }
 
     /// The weights of S0 from `level` to `level + 1`.
@@ -269,13 +291,14 @@ impl Refiner {
     /// If there is no level `level + 1`.
     pub fn children(&self, level: usize) -> Result<Children, OsdError> {
         let n = self.0.counts(level as u32)?;
+        let child = self.0.counts(level as u32 + 1)?;
         let mut children = Children {
             vertex_vertex: vec![0; n.vertices],
             edge_vertex: vec![0; n.edges],
-            face_vertex: vec![0; n.faces],
+            face_vertex: vec![0; child.vertices - n.vertices - n.edges],
             edge_edges: vec![0; 2 * n.edges],
             face_edges: vec![0; n.corners],
-            face_faces: vec![0; n.corners],
+            face_faces: vec![0; child.faces],
         };
         self.0.children(
             level as u32,

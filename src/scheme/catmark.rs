@@ -21,68 +21,27 @@
 //! S2 times 16 is 9, 3, 3, 1 over the parent's value per child. Round an extraordinary vertex on quads it
 //! is Appendix C of Ke Wang's thesis.
 
-use super::correction::Correction;
-use super::doo_sabin::circulant;
-use super::{whitney, DooSabin, Homotopy};
+use super::correction::{FaceWeights, circulant};
+use super::{DooSabin, Homotopy, tables, whitney};
 use crate::osd::Masks;
-use crate::sparse::{assemble, Csr, Row};
-use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, QuadSplit};
+use crate::topology::{Mesh, SplitKind};
 
 /// The tables `H0` and `H1` for one split.
 pub fn homotopy(mesh: &Mesh, masks: &Masks, weights: DooSabin) -> Homotopy {
-    Homotopy { h0: h0(mesh, masks), h1: h1(mesh, masks, weights) }
+    let lift = |corner, visit: &mut dyn FnMut(_, f64)| whitney::midpoint_to_centre(mesh, corner, visit);
+    tables::homotopy(SplitKind::Quad, mesh, masks, lift, Densities(weights), |_, _| ())
 }
 
-fn h0(mesh: &Mesh, masks: &Masks) -> Csr {
-    let split = QuadSplit::of(mesh);
-    assemble((split.num_children(0), mesh.num_edges()), |vertex, row| match split.vertex_parent(vertex) {
-        Parent::Vertex(v) => vertex_displacement(mesh, masks, v, row),
-        Parent::Edge(e) => midpoint_displacement(mesh, masks, e, row),
-        Parent::Face(_) => {}
-    })
-}
+/// Doo-Sabin weights of densities: the value of face `f` counts by `1/n_f`.
+pub(super) struct Densities(pub DooSabin);
 
-fn vertex_displacement(mesh: &Mesh, masks: &Masks, v: u32, row: &mut Row) {
-    for &h in mesh.vertex_half_edges(v) {
-        add(row, h, masks.vertex_edge[h.index()]);
-    }
-    for &corner in mesh.fans(v).flat_map(|fan| fan.corners) {
-        let b = masks.vertex_face[corner as usize];
-        if b != 0.0 {
-            whitney::vertex_to_centre(mesh, corner, |h, weight| add(row, h, b * weight));
-        }
-    }
-}
-
-fn midpoint_displacement(mesh: &Mesh, masks: &Masks, e: u32, row: &mut Row) {
-    let sides = [HalfEdge::new(e, true), HalfEdge::new(e, false)];
-    // A non-manifold edge has no sides here; it is sharp, so its faces have no weight.
-    for corner in sides.into_iter().filter_map(|side| mesh.left_corner(side)) {
-        let tau = masks.edge_face[corner as usize];
-        if tau != 0.0 {
-            whitney::midpoint_to_centre(mesh, corner, |h, weight| add(row, h, tau * weight));
-        }
-    }
-    let [th_a, th_b] = sides.map(|side| masks.edge_end[side.index()]);
-    add(row, sides[0], (th_b - th_a) / 2.0);
-}
-
-fn add(row: &mut Row, h: HalfEdge, weight: f64) {
-    if weight != 0.0 {
-        row.add(h.edge(), weight * h.sign());
-    }
-}
-
-fn h1(mesh: &Mesh, masks: &Masks, weights: DooSabin) -> Csr {
-    let split = QuadSplit::of(mesh);
-    let delta = |k: usize| {
+impl FaceWeights for Densities {
+    fn delta(&self, k: usize) -> Vec<f64> {
         let unmended = circulant(k, 0.75, 0.125, |_| 0.0);
-        weights.weights(k).iter().zip(unmended).map(|(alpha, plain)| alpha - plain).collect()
-    };
-    let correction = Correction::new(mesh, masks, delta, |face| whitney::w2(mesh, face));
-    assemble((split.num_children(1), mesh.num_faces()), |edge, row| match split.edge_parent(edge) {
-        // The child edge is directed m_e -> v.
-        ChildEdge::Even(h) => correction.add_row(h, -1.0, row),
-        ChildEdge::Odd(_) => {}
-    })
+        self.0.weights(k).iter().zip(unmended).map(|(alpha, plain)| alpha - plain).collect()
+    }
+
+    fn unit(&self, mesh: &Mesh, face: u32) -> f64 {
+        whitney::w2(mesh, SplitKind::Quad, face)
+    }
 }

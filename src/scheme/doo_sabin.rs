@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use super::correction::circulant;
+
 /// The weights `alpha_j` with which the child of face `f_0` at a smooth vertex of valence `k` takes
 /// the densities of the faces `f_j` round it. They sum to 1 and agree at the regular valence 4
 /// (9, 3, 1, 3 sixteenths).
@@ -29,13 +31,4 @@ impl DooSabin {
             }
         }
     }
-}
-
-/// `here [j = 0] + beside ([j = 1] + [j = -1]) + rest(j)` for `j = 0 .. k-1`, indices modulo `k`.
-pub(super) fn circulant(k: usize, here: f64, beside: f64, rest: impl Fn(usize) -> f64) -> Vec<f64> {
-    let mut row: Vec<f64> = (0..k).map(rest).collect();
-    row[0] += here;
-    row[1 % k] += beside;
-    row[k - 1] += beside;
-    row
 }

@@ -1,10 +1,10 @@
-//! The Whitney scheme of the quad split: the lowest-order rules, which commute by themselves.
+//! The Whitney schemes of the two splits: the lowest-order rules, which commute by themselves.
 //!
 //! `W0` puts midpoints and averages, `W1` halves a value along an edge and lifts it inside a face, `W2`
-//! gives each child an equal share. They are also OpenSubdiv's bilinear scheme. Rules are handed out as
+//! gives each child an equal share. On quads and n-gons `W0` is OpenSubdiv's bilinear scheme. Rules are handed out as
 //! terms through a `visit` closure, so that assembling a matrix and applying it share them.
 
-use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent};
+use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, SplitKind};
 
 /// `W0`: the Whitney position of a child vertex, as vertices with weights. A vertex stays, an edge gives
 /// its midpoint, a face its average.
@@ -19,17 +19,31 @@ pub fn w0(mesh: &Mesh, child: Parent, mut visit: impl FnMut(u32, f64)) {
     }
 }
 
-/// `W1`: the value along a child edge, in its own direction, as half-edges with weights.
-pub fn w1(mesh: &Mesh, child: ChildEdge, mut visit: impl FnMut(HalfEdge, f64)) {
-    match child {
-        ChildEdge::Even(h) => visit(h.twin(), 0.5),
-        ChildEdge::Odd(corner) => midpoint_to_centre(mesh, corner, |h, weight| visit(h, -weight)),
+/// `W1`: the value along a child edge, in its own direction, as half-edges with weights. Half of the
+/// parent's along an even edge. Along an odd one, for quads, [`midpoint_to_centre`]; for a triangle
+/// `(v, w0, w1)`, (3.13) of the thesis: `m(v,w0) -> m(v,w1)` is `(c_{w0 w1} + c_{v w1} - c_{v w0}) / 4`.
+pub fn w1(mesh: &Mesh, split: SplitKind, child: ChildEdge, mut visit: impl FnMut(HalfEdge, f64)) {
+    match (child, split) {
+        (ChildEdge::Even(h), _) => visit(h.twin(), 0.5),
+        (ChildEdge::Odd(corner), SplitKind::Quad) => {
+            midpoint_to_centre(mesh, corner, |h, weight| visit(h, -weight));
+        }
+        (ChildEdge::Odd(corner), SplitKind::Triangle) => {
+            let (next, previous) = (mesh.next_corner(corner), mesh.previous_corner(corner));
+            visit(mesh.corner_half_edge(next), 0.25);
+            visit(mesh.corner_half_edge(previous).twin(), 0.25);
+            visit(mesh.corner_half_edge(corner), -0.25);
+        }
     }
 }
 
-/// `W2`: the share of a child face in its parent face.
-pub fn w2(mesh: &Mesh, parent: u32) -> f64 {
-    1.0 / mesh.face_size(parent) as f64
+/// `W2`: the share of each child of a face: `1/n` of a polygon split into quads, `1/4` of a triangle split
+/// into triangles.
+pub fn w2(mesh: &Mesh, split: SplitKind, parent: u32) -> f64 {
+    match split {
+        SplitKind::Quad => 1.0 / mesh.face_size(parent) as f64,
+        SplitKind::Triangle => 0.25,
+    }
 }
 
 /// `P_{f,v}`, the value from the vertex of a corner to the centre of its face: the value of `p_f - v`

@@ -75,7 +75,9 @@ pub enum TopologyError {
     NoFaces,
     #[error("{count} {what} are more than OpenSubdiv can number (2^31 - 1): split the mesh")]
     TooMany { what: &'static str, count: usize },
-    #[error("the faces ask for {expected} vertex indices and {actual} are given: make face_sizes and face_vertices agree")]
+    #[error(
+        "the faces ask for {expected} vertex indices and {actual} are given: make face_sizes and face_vertices agree"
+    )]
     FaceSizeSum { expected: usize, actual: usize },
     #[error("face {face} has {size} vertices: a face needs at least 3, remove it or complete it")]
     FaceTooSmall { face: u32, size: u32 },
@@ -83,9 +85,13 @@ pub enum TopologyError {
     FaceTooLarge { face: u32, size: u32 },
     #[error("face {face} refers to vertex {vertex}, but there are {num_vertices} vertices (0 to {}): correct the index", num_vertices - 1)]
     VertexOutOfRange { face: u32, vertex: u32, num_vertices: usize },
-    #[error("face {face} has vertex {vertex} more than once: --collapse drops a repetition of neighbours, anything else must be remodelled")]
+    #[error(
+        "face {face} has vertex {vertex} more than once: --collapse drops a repetition of neighbours, anything else must be remodelled"
+    )]
     RepeatedVertex { face: u32, vertex: u32 },
-    #[error("vertex {vertex} has {valence} faces: OpenSubdiv's weights hold up to {MAX_VALENCE}, split the fan")]
+    #[error(
+        "vertex {vertex} has {valence} faces: OpenSubdiv's weights hold up to {MAX_VALENCE}, split the fan"
+    )]
     ValenceTooLarge { vertex: u32, valence: usize },
     #[error("{element} refers to {target} {index}, but there are {count}: correct the index")]
     TagOutOfRange { element: Element, target: &'static str, index: u32, count: usize },
@@ -169,10 +175,18 @@ fn check_faces(d: &Descriptor) -> Result<(), TopologyError> {
 fn check_tags(d: &Descriptor) -> Result<(), TopologyError> {
     let (vertices, faces) = (("vertex", d.num_vertices), ("face", d.face_sizes.len()));
     let in_range = |element, index: u32, (target, count): (&'static str, usize)| {
-        if (index as usize) < count { Ok(()) } else { Err(TopologyError::TagOutOfRange { element, target, index, count }) }
+        if (index as usize) < count {
+            Ok(())
+        } else {
+            Err(TopologyError::TagOutOfRange { element, target, index, count })
+        }
     };
     let is_sharpness = |element, value: f32| {
-        if value.is_finite() && value >= 0.0 { Ok(()) } else { Err(TopologyError::Sharpness { element, value }) }
+        if value.is_finite() && value >= 0.0 {
+            Ok(())
+        } else {
+            Err(TopologyError::Sharpness { element, value })
+        }
     };
 
     if !d.creases.is_empty() {
@@ -268,7 +282,10 @@ mod tests {
         assert_eq!(refused(|d| d.num_vertices = 0), E::NoVertices);
         assert_eq!(refused(|d| d.face_sizes.clear()), E::NoFaces);
         assert_eq!(refused(|d| d.face_vertices.truncate(7)), E::FaceSizeSum { expected: 8, actual: 7 });
-        assert_eq!(refused(|d| (d.face_sizes[0], d.face_sizes[1]) = (2, 6)), E::FaceTooSmall { face: 0, size: 2 });
+        assert_eq!(
+            refused(|d| (d.face_sizes[0], d.face_sizes[1]) = (2, 6)),
+            E::FaceTooSmall { face: 0, size: 2 }
+        );
         assert_eq!(
             refused(|d| d.face_vertices[6] = 7),
             E::VertexOutOfRange { face: 1, vertex: 7, num_vertices: 7 }
@@ -286,10 +303,7 @@ mod tests {
             refused(|d| d.corners.push(Corner { vertex: 7, sharpness: 1.0 })),
             E::TagOutOfRange { element: Element::Corner(0), .. }
         ));
-        assert!(matches!(
-            refused(|d| d.holes.push(2)),
-            E::TagOutOfRange { element: Element::Hole(0), .. }
-        ));
+        assert!(matches!(refused(|d| d.holes.push(2)), E::TagOutOfRange { element: Element::Hole(0), .. }));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 use std::ops::Range;
 
 use super::HalfEdge;
-use crate::sparse::{assemble, Csr};
+use crate::sparse::{Csr, assemble};
 
 const NONE: u32 = u32::MAX;
 
@@ -119,7 +119,8 @@ impl Mesh {
 
         let (vertex_offsets, vertex_half_edges) = group_by(
             num_vertices,
-            (0..2 * edge_vertices.len() as u32).map(|h| (edge_vertices[h as usize / 2][h as usize % 2], HalfEdge(h))),
+            (0..2 * edge_vertices.len() as u32)
+                .map(|h| (edge_vertices[h as usize / 2][h as usize % 2], HalfEdge(h))),
         );
         let mut mesh = Mesh {
             num_vertices,
@@ -362,10 +363,7 @@ fn as_usize(range: Range<u32>) -> Range<usize> {
 }
 
 /// Sorts items by key, stable, in linear time: item list of key `k` is `items[offsets[k]..offsets[k + 1]]`.
-fn group_by<T: Copy>(
-    num_keys: usize,
-    keyed: impl Iterator<Item = (u32, T)> + Clone,
-) -> (Vec<u32>, Vec<T>) {
+fn group_by<T: Copy>(num_keys: usize, keyed: impl Iterator<Item = (u32, T)> + Clone) -> (Vec<u32>, Vec<T>) {
     let mut offsets = vec![0u32; num_keys + 1];
     for (key, _) in keyed.clone() {
         offsets[key as usize + 1] += 1;

@@ -3,7 +3,7 @@
 //! - [`Descriptor`]: what a user hands in, plain data. [`Cage`]: the same, checked.
 //! - [`Mesh`]: vertices, oriented edges and oriented faces of one level, with the ordered fans round
 //!   every vertex and the exterior derivatives `d0`, `d1`.
-//! - [`QuadSplit`]: how the cells of one level become those of the next, and how they are numbered.
+//! - [`Split`]: how the cells of one level become those of the next, and how they are numbered.
 //! - [`Survey`]: counts, Euler characteristic, boundary loops, genus.
 
 mod cage;
@@ -13,11 +13,11 @@ mod mesh;
 mod split;
 mod survey;
 
-pub use cage::{Cage, Element, TopologyError, MAX_FACE_SIZE, MAX_VALENCE};
+pub use cage::{Cage, Element, MAX_FACE_SIZE, MAX_VALENCE, TopologyError};
 pub use descriptor::{
     BoundaryInterpolation, CollapseReport, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };
 pub use half_edge::HalfEdge;
 pub use mesh::{Fan, Mesh, MeshError};
-pub use split::{ChildEdge, Parent, QuadSplit};
+pub use split::{ChildEdge, Parent, Split, SplitKind};
 pub use survey::Survey;

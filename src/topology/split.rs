@@ -1,24 +1,33 @@
 use super::{HalfEdge, Mesh};
 
-/// The split of Catmull-Clark (and of bilinear refinement): every face of `n` vertices becomes `n`
-/// quads, one for each corner.
+/// How the cells of one level become those of the next, and how the children are numbered and directed:
+/// as OpenSubdiv does, with `V`, `E`, `F` the counts of the parent and `C` its corners.
 ///
-/// The numbering and the directions are OpenSubdiv's, with `V`, `E`, `F` the counts of the parent and `C` its corners:
-///
-/// | child | number | |
-/// |---|---|---|
-/// | vertex of vertex `v` | `v` | |
-/// | vertex of face `f` (its centre `p_f`) | `V + f` | |
-/// | vertex of edge `e` (its midpoint `m_e`) | `V + F + e` | |
-/// | edge of corner `c` ("odd") | `c` | directed `p_f -> m_e`, `e` the edge that leaves the corner |
-/// | half of edge `e` at its end `j` ("even") | `C + 2e + j` | directed `m_e -> v` |
-/// | face of corner `c` | `c` | |
+/// | child | quad split | triangle split | |
+/// |---|---|---|---|
+/// | vertex of vertex `v` | `v` | `v` | |
+/// | vertex of face `f` (its centre `p_f`) | `V + f` | | |
+/// | vertex of edge `e` (its midpoint `m_e`) | `V + F + e` | `V + e` | |
+/// | edge of corner `c` ("odd") | `c` | `c` | see [`ChildEdge::Odd`] |
+/// | half of edge `e` at its end `j` ("even") | `C + 2e + j` | `C + 2e + j` | directed `m_e -> v` |
+/// | face of corner `i` of face `f` | its corner | `4f + i` | |
+/// | face in the middle of face `f` | | `4f + 3` | |
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct QuadSplit {
+pub struct Split {
+    kind: SplitKind,
     num_vertices: usize,
     num_edges: usize,
     num_faces: usize,
     num_corners: usize,
+}
+
+/// The two ways to split faces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SplitKind {
+    /// A face of `n` vertices becomes `n` quads, one for each corner (Catmull-Clark, bilinear).
+    Quad,
+    /// A triangle becomes four: one at each corner and one in the middle (Loop).
+    Triangle,
 }
 
 /// The parent of a child vertex.
@@ -37,19 +46,32 @@ pub enum Parent {
 pub enum ChildEdge {
     /// `m_e -> v`: the half of an edge at the tail `v` of this half-edge.
     Even(HalfEdge),
-    /// `p_f -> m_e`: inside the face of this corner, to the edge that leaves it.
+    /// Inside the face of this corner. Quad split: `p_f -> m_e`, to the edge that leaves the corner.
+    /// Triangle split: `m_e -> m_e'`, from the edge that leaves the corner to the one that reaches it.
     Odd(u32),
 }
 
-impl QuadSplit {
-    /// The split of a mesh.
-    pub fn of(mesh: &Mesh) -> Self {
-        QuadSplit {
+impl Split {
+    /// The split of a mesh in one of the two ways.
+    ///
+    /// # Panics
+    /// If a mesh that has other faces than triangles is to be split as triangles.
+    pub fn new(kind: SplitKind, mesh: &Mesh) -> Self {
+        let split = Split {
+            kind,
             num_vertices: mesh.num_vertices(),
             num_edges: mesh.num_edges(),
             num_faces: mesh.num_faces(),
             num_corners: mesh.num_corners(),
-        }
+        };
+        let triangles = || (0..mesh.num_faces() as u32).all(|f| mesh.face_size(f) == 3);
+        assert!(kind == SplitKind::Quad || triangles(), "only triangles can be split as triangles");
+        split
+    }
+
+    /// Which of the two ways.
+    pub fn kind(&self) -> SplitKind {
+        self.kind
     }
 
     /// The number of child vertices, edges or faces (`k` = 0, 1, 2).
@@ -57,17 +79,36 @@ impl QuadSplit {
     /// # Panics
     /// If `k > 2`.
     pub fn num_children(&self, k: usize) -> usize {
-        let vertices = self.num_vertices + self.num_edges + self.num_faces;
-        [vertices, self.num_corners + 2 * self.num_edges, self.num_corners][k]
+        let edges = self.num_corners + 2 * self.num_edges;
+        match self.kind {
+            SplitKind::Quad => {
+                [self.num_vertices + self.num_faces + self.num_edges, edges, self.num_corners][k]
+            }
+            SplitKind::Triangle => [self.num_vertices + self.num_edges, edges, 4 * self.num_faces][k],
+        }
+    }
+
+    /// The number of the first child vertex of an edge: those of the faces come before, if there are any.
+    fn first_midpoint(&self) -> usize {
+        match self.kind {
+            SplitKind::Quad => self.num_vertices + self.num_faces,
+            SplitKind::Triangle => self.num_vertices,
+        }
     }
 
     /// The child vertex of a cell.
+    ///
+    /// # Panics
+    /// For a face of the triangle split, which has none.
     #[inline]
     pub fn vertex_of(&self, parent: Parent) -> u32 {
         match parent {
             Parent::Vertex(v) => v,
-            Parent::Face(f) => self.num_vertices as u32 + f,
-            Parent::Edge(e) => (self.num_vertices + self.num_faces) as u32 + e,
+            Parent::Face(f) => {
+                assert!(self.kind == SplitKind::Quad, "a triangle has no child vertex");
+                self.num_vertices as u32 + f
+            }
+            Parent::Edge(e) => self.first_midpoint() as u32 + e,
         }
     }
 
@@ -76,10 +117,10 @@ impl QuadSplit {
     pub fn vertex_parent(&self, vertex: usize) -> Parent {
         if vertex < self.num_vertices {
             Parent::Vertex(vertex as u32)
-        } else if vertex < self.num_vertices + self.num_faces {
+        } else if vertex < self.first_midpoint() {
             Parent::Face((vertex - self.num_vertices) as u32)
         } else {
-            Parent::Edge((vertex - self.num_vertices - self.num_faces) as u32)
+            Parent::Edge((vertex - self.first_midpoint()) as u32)
         }
     }
 
@@ -99,27 +140,57 @@ impl QuadSplit {
         }
     }
 
-    /// Whether `child` has the counts and edge directions that this table promises for `parent`. The
-    /// faces follow: a face of the child names its edges.
+    /// The parent of a child face.
+    #[inline]
+    pub fn face_parent(&self, mesh: &Mesh, face: usize) -> u32 {
+        match self.kind {
+            SplitKind::Quad => mesh.corner_face(face as u32),
+            SplitKind::Triangle => face as u32 / 4,
+        }
+    }
+
+    /// The child face at a corner.
+    #[inline]
+    pub fn face_at(&self, mesh: &Mesh, corner: u32) -> u32 {
+        match self.kind {
+            SplitKind::Quad => corner,
+            SplitKind::Triangle => {
+                let face = mesh.corner_face(corner);
+                4 * face + (corner - mesh.corners(face).start)
+            }
+        }
+    }
+
+    /// Whether `child` has the counts and edge directions that this table promises for `parent`, and
+    /// each corner's child face lies there.
     pub fn describes(&self, parent: &Mesh, child: &Mesh) -> bool {
         (0..3).all(|k| self.num_children(k) == child.num_cells(k))
             && child.edges().iter().enumerate().all(|(i, &ends)| ends == self.child_edge_ends(parent, i))
-            && (0..child.num_faces() as u32).all(|c| {
-                let corner = parent.corner_vertex(c);
-                let centre = self.vertex_of(Parent::Face(parent.corner_face(c)));
-                let vertices = child.face_vertices(c);
-                let at = vertices.iter().position(|&v| v == corner);
-                vertices.len() == 4 && at.is_some_and(|i| vertices[(i + 2) % 4] == centre)
+            && (0..parent.num_corners() as u32).all(|c| {
+                let e = parent.corner_half_edge(c).edge();
+                let vertices = child.face_vertices(self.face_at(parent, c));
+                let next = |v: u32| {
+                    let at = vertices.iter().position(|&w| w == v)?;
+                    Some(vertices[(at + 1) % vertices.len()])
+                };
+                next(parent.corner_vertex(c)) == Some(self.vertex_of(Parent::Edge(e)))
             })
     }
 
     fn child_edge_ends(&self, parent: &Mesh, edge: usize) -> [u32; 2] {
+        let midpoint = |h: HalfEdge| self.vertex_of(Parent::Edge(h.edge()));
         match self.edge_parent(edge) {
-            ChildEdge::Even(h) => [self.vertex_of(Parent::Edge(h.edge())), parent.tail(h)],
-            ChildEdge::Odd(c) => {
-                let e = parent.corner_half_edge(c).edge();
-                [self.vertex_of(Parent::Face(parent.corner_face(c))), self.vertex_of(Parent::Edge(e))]
-            }
+            ChildEdge::Even(h) => [midpoint(h), parent.tail(h)],
+            ChildEdge::Odd(c) => match self.kind {
+                SplitKind::Quad => [
+                    self.vertex_of(Parent::Face(parent.corner_face(c))),
+                    midpoint(parent.corner_half_edge(c)),
+                ],
+                SplitKind::Triangle => {
+                    let reaching = parent.corner_half_edge(parent.previous_corner(c));
+                    [midpoint(parent.corner_half_edge(c)), midpoint(reaching)]
+                }
+            },
         }
     }
 }

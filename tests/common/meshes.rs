@@ -1,6 +1,8 @@
 //! Meshes that tests build: grids, fans, and random polygon meshes with random features.
 
-use formwork::topology::{BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision};
+use formwork::topology::{
+    BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
+};
 use proptest::prelude::*;
 
 /// Polygons on `num_vertices` vertices.
@@ -64,6 +66,68 @@ pub fn random_cage() -> impl Strategy<Value = Cage> {
     })
 }
 
+/// A torus of `2 nx ny` triangles: the cells of a grid, all cut along the same diagonal. Every vertex has
+/// valence 6: the neighbours of `(i, j)` are `(+-1, 0)`, `(0, +-1)`, `(-1, 1)` and `(1, -1)`.
+pub fn hexagonal_torus(nx: u32, ny: u32) -> Descriptor {
+    let quads = grid(nx, ny, true);
+    let halves =
+        quads.face_vertices.chunks_exact(4).flat_map(|c| [vec![c[0], c[1], c[3]], vec![c[1], c[2], c[3]]]);
+    polygons(quads.num_vertices, &halves.collect::<Vec<_>>())
+}
+
+/// A vertex 0 with `k` triangles round it, a full turn or open; triangle `i` is `0, 1 + i, 2 + i`.
+pub fn triangle_fan(k: u32, cyclic: bool) -> Descriptor {
+    let last = if cyclic { k } else { k + 1 };
+    let faces: Vec<_> = (0..k).map(|i| vec![0, 1 + i, 1 + (i + 1) % last]).collect();
+    polygons(1 + last as usize, &faces)
+}
+
+/// Two cones of `k` triangles on a common rim: a closed surface with vertices of valence `k` and 4.
+pub fn bipyramid(k: u32) -> Descriptor {
+    let rim = |i: u32| 2 + i % k;
+    let faces: Vec<_> =
+        (0..k).flat_map(|i| [vec![0, rim(i), rim(i + 1)], vec![1, rim(i + 1), rim(i)]]).collect();
+    polygons(2 + k as usize, &faces)
+}
+
+/// A random triangle mesh: a grid with cells cut along random diagonals or missing, then new vertices put
+/// into random triangles, over and over, so that valences from 3 up lie side by side; random features.
+pub fn random_triangles() -> impl Strategy<Value = Cage> {
+    (3u32..5, 3u32..5, any::<bool>()).prop_flat_map(|(nx, ny, torus)| {
+        let sharpness = prop_oneof![Just(10.0f32), 0.0f32..4.0, Just(1.0f32)];
+        (
+            proptest::collection::vec(
+                prop_oneof![1 => Just(0u8), 4 => Just(1u8), 4 => Just(2u8)],
+                (nx * ny) as usize,
+            ),
+            proptest::collection::vec(any::<prop::sample::Index>(), 0..24),
+            proptest::collection::vec((any::<prop::sample::Index>(), sharpness.clone()), 0..8),
+            proptest::collection::vec((any::<prop::sample::Index>(), sharpness), 0..4),
+            (0usize..3, any::<bool>(), any::<bool>()),
+        )
+            .prop_map(
+                move |(cuts, insertions, creases, corners, (boundary, chaikin, left_handed))| {
+                    let mut d = cut_grid(nx, ny, torus, &cuts);
+                    for index in insertions {
+                        let face = index.index(d.face_sizes.len());
+                        insert_vertex(&mut d, face);
+                    }
+                    decorate(d, &creases, &corners, &[], (boundary, chaikin, false, left_handed))
+                },
+            )
+    })
+}
+
+/// Puts a vertex into a triangle.
+fn insert_vertex(d: &mut Descriptor, face: usize) {
+    let new = d.num_vertices as u32;
+    let [a, b, c] = [0, 1, 2].map(|i| d.face_vertices[3 * face + i]);
+    d.num_vertices += 1;
+    d.face_vertices[3 * face + 2] = new;
+    d.face_vertices.extend([b, c, new, c, a, new]);
+    d.face_sizes.extend([3, 3]);
+}
+
 /// A grid with each cell treated as its number says: 0 missing, 1 and 2 cut along a diagonal, 3 merged
 /// with its right neighbour if that is whole, else left whole.
 pub fn cut_grid(nx: u32, ny: u32, torus: bool, cuts: &[u8]) -> Descriptor {
@@ -121,7 +185,8 @@ fn decorate(
     }
     d.holes = holes.iter().map(|index| index.index(d.face_sizes.len()) as u32).collect();
     d.boundary =
-        [BoundaryInterpolation::None, BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner][boundary];
+        [BoundaryInterpolation::None, BoundaryInterpolation::EdgeOnly, BoundaryInterpolation::EdgeAndCorner]
+            [boundary];
     d.creasing = if chaikin { CreasingMethod::Chaikin } else { CreasingMethod::Uniform };
     d.triangles = if smooth_triangles { TriangleSubdivision::Smooth } else { TriangleSubdivision::Catmark };
     d.left_handed = left_handed;

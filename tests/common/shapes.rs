@@ -28,7 +28,11 @@ impl Shape {
             num_vertices: self.verts.len(),
             face_sizes: self.nverts_per_face.clone(),
             face_vertices: self.face_verts.clone(),
-            creases: self.creases.iter().map(|&(a, b, sharpness)| Crease { vertices: [a, b], sharpness }).collect(),
+            creases: self
+                .creases
+                .iter()
+                .map(|&(a, b, sharpness)| Crease { vertices: [a, b], sharpness })
+                .collect(),
             corners: self.corners.iter().map(|&(vertex, sharpness)| Corner { vertex, sharpness }).collect(),
             holes: self.holes.clone(),
             boundary: match self.boundary.as_str() {

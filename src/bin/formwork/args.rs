@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
-use formwork::scheme::{DooSabin, Scheme};
+use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
 
 // Lines of at most 79 characters: clap breaks longer ones in a narrow terminal, code and all.
@@ -77,7 +77,8 @@ OpenSubdiv's refined values (equal to rounding) and of its limit values
 Examples:
   formwork validate assets/creased_box.obj --levels 3
   formwork validate assets/open_polygons.obj --json
-  formwork validate assets/creased_box.obj --boundary edge-and-corner";
+  formwork validate assets/creased_box.obj --boundary edge-and-corner
+  formwork validate assets/gem.obj --scheme modified-loop";
 
 const INSPECT_HELP: &str = "\
 Examples:
@@ -147,9 +148,6 @@ pub struct Operators {
     /// How many times to refine
     #[arg(long, short, value_name = "N", default_value_t = 1, value_parser = value_parser!(u8).range(1..=15))]
     pub levels: u8,
-    /// The subdivision scheme
-    #[arg(long, value_name = "NAME", default_value = "catmark", value_parser = choice(SCHEMES))]
-    pub scheme: fn(DooSabin) -> Scheme,
     /// The file to write: .npz
     #[arg(long, short, value_name = "OUT.npz")]
     pub output: PathBuf,
@@ -189,9 +187,15 @@ pub struct Common {
     /// Faces are listed clockwise
     #[arg(long)]
     pub left_handed: bool,
-    /// The face weights of 2-forms
+    /// The subdivision scheme [loop if all faces are triangles, else catmark]
+    #[arg(long, value_name = "NAME", value_parser = choice(SCHEMES))]
+    pub scheme: Option<SchemeName>,
+    /// catmark: the face weights of 2-forms
     #[arg(long, value_name = "WEIGHTS", default_value = "thesis", value_parser = choice(DOO_SABIN))]
     pub doo_sabin: DooSabin,
+    /// loop and modified-loop: the face weights of 2-forms at boundaries and creases
+    #[arg(long, value_name = "RULE", default_value = "reflect", value_parser = choice(BOUNDARY_RULES))]
+    pub half_box: BoundaryRule,
     /// No progress bar and no notes
     #[arg(long, short)]
     pub quiet: bool,
@@ -210,7 +214,52 @@ pub const CREASING: Names<CreasingMethod> =
 pub const TRIANGLES: Names<TriangleSubdivision> =
     &[("catmark", TriangleSubdivision::Catmark), ("smooth", TriangleSubdivision::Smooth)];
 pub const DOO_SABIN: Names<DooSabin> = &[("thesis", DooSabin::Thesis), ("original", DooSabin::Original)];
-const SCHEMES: Names<fn(DooSabin) -> Scheme> = &[("catmark", Scheme::Catmark)];
+pub const BOUNDARY_RULES: Names<BoundaryRule> =
+    &[("reflect", BoundaryRule::Reflect), ("thesis", BoundaryRule::Thesis), ("dct", BoundaryRule::Dct)];
+pub const SCHEMES: Names<SchemeName> = &[
+    ("catmark", SchemeName::Catmark),
+    ("loop", SchemeName::Loop),
+    ("modified-loop", SchemeName::ModifiedLoop),
+    ("whitney", SchemeName::Whitney),
+    ("bilinear", SchemeName::Bilinear),
+];
+
+/// A scheme as the command line names it; its weights are options of their own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SchemeName {
+    Catmark,
+    Loop,
+    ModifiedLoop,
+    Whitney,
+    Bilinear,
+}
+
+impl Common {
+    /// The scheme that was asked for; else Loop's for a mesh of triangles and Catmull-Clark's for any other.
+    pub fn scheme(&self, face_sizes: &[u32]) -> Scheme {
+        let triangles = face_sizes.iter().all(|&size| size == 3);
+        let default = if triangles { SchemeName::Loop } else { SchemeName::Catmark };
+        match self.scheme.unwrap_or(default) {
+            SchemeName::Catmark => Scheme::Catmark(self.doo_sabin),
+            SchemeName::Loop => Scheme::Loop(Variant::Loop, self.half_box),
+            SchemeName::ModifiedLoop => Scheme::Loop(Variant::ModifiedLoop, self.half_box),
+            SchemeName::Whitney => Scheme::Whitney,
+            SchemeName::Bilinear => Scheme::Bilinear,
+        }
+    }
+}
+
+/// The name of a scheme.
+pub fn scheme_name(scheme: Scheme) -> &'static str {
+    let name = match scheme {
+        Scheme::Catmark(_) => SchemeName::Catmark,
+        Scheme::Loop(Variant::Loop, _) => SchemeName::Loop,
+        Scheme::Loop(Variant::ModifiedLoop, _) => SchemeName::ModifiedLoop,
+        Scheme::Whitney => SchemeName::Whitney,
+        Scheme::Bilinear => SchemeName::Bilinear,
+    };
+    name_of(SCHEMES, name)
+}
 
 /// The name of a value.
 pub fn name_of<T: PartialEq>(names: Names<T>, value: T) -> &'static str {

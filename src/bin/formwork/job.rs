@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use formwork::io::{Asset, atomic::Draft, obj};
 use formwork::scheme::Scheme;
-use formwork::topology::{Cage, CollapseReport};
+use formwork::topology::{Cage, CollapseReport, Element};
 
 use crate::Failure;
 use crate::args::Common;
@@ -25,7 +25,7 @@ pub struct Job {
 
 impl Job {
     /// Loads and checks the cage.
-    pub fn settle(common: &Common, scheme: Scheme) -> Result<Self, Failure> {
+    pub fn settle(common: &Common) -> Result<Self, Failure> {
         let mut asset = obj::read(&common.mesh)?;
         asset.descriptor.left_handed |= common.left_handed;
         if let Some(boundary) = common.boundary {
@@ -43,6 +43,12 @@ impl Job {
         };
         let cage = asset.cage()?;
         asset.notes.extend(collapse_note(&collapse));
+        let scheme = common.scheme(&cage.descriptor().face_sizes);
+        if let Err(error) = scheme.split(&cage.descriptor().face_sizes) {
+            let line = asset.source.line(Element::Face(error.face()));
+            let place = line.map_or(String::new(), |line| format!("line {line}: "));
+            return Err(format!("{}: {place}{error} (numbers start at 0)", asset.name).into());
+        }
         let progress = !common.quiet && !common.json;
         Ok(Job { asset, cage, scheme, collapse, progress })
     }

@@ -9,14 +9,14 @@ use serde_json::json;
 
 use super::{Outcome, count, grouped};
 use crate::Failure;
-use crate::args::{BOUNDARY, CREASING, DOO_SABIN, Inspect, TRIANGLES, name_of};
+use crate::args::{BOUNDARY, BOUNDARY_RULES, CREASING, DOO_SABIN, Inspect, TRIANGLES, name_of, scheme_name};
 use crate::job::Job;
 
 /// OpenSubdiv's infinite sharpness.
 const INFINITE: f32 = 10.0;
 
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
-    let job = Job::settle(&args.common, Scheme::Catmark(args.common.doo_sabin))?;
+    let job = Job::settle(&args.common)?;
     let hierarchy = Hierarchy::new(&job.cage, job.scheme, 0)?;
     let level = hierarchy.level(0);
     let survey = Survey::of(level.mesh());
@@ -32,6 +32,8 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
         ("creasing", name_of(CREASING, d.creasing)),
         ("triangles", name_of(TRIANGLES, d.triangles)),
         ("doo_sabin", name_of(DOO_SABIN, args.common.doo_sabin)),
+        ("half_box", name_of(BOUNDARY_RULES, args.common.half_box)),
+        ("scheme", scheme_name(job.scheme)),
     ];
 
     let sharp = |sharp: &Sharp, thing| match sharp.total {
@@ -153,8 +155,9 @@ fn treatment(job: &Job, level: &Level, survey: &Survey, holes: usize) -> Vec<Str
             job.collapse.removed.len()
         ),
     );
+    let quad_split = matches!(job.scheme, Scheme::Catmark(_) | Scheme::Bilinear);
     say(
-        n_gons,
+        if quad_split { n_gons } else { 0 },
         format!("{} of other than four corners: on level 1, a quad for each corner.", count(n_gons, "face")),
     );
     say(
@@ -206,7 +209,7 @@ fn treatment(job: &Job, level: &Level, survey: &Survey, holes: usize) -> Vec<Str
         "Left-handed: every face is turned round, its first vertex staying first.".into(),
     );
     if sentences.is_empty() {
-        sentences.push("All quads, closed and manifold: nothing out of the ordinary.".to_owned());
+        sentences.push("Closed and manifold: nothing out of the ordinary.".to_owned());
     }
     sentences
 }

@@ -10,7 +10,7 @@ use crate::job::{Job, check_outputs, format_of};
 pub fn run(args: &Operators) -> Result<Outcome, Failure> {
     format_of(&args.output, &["npz"])?;
     let levels = usize::from(args.levels);
-    let job = Job::settle(&args.common, (args.scheme)(args.common.doo_sabin))?;
+    let job = Job::settle(&args.common)?;
     check_outputs(&[&args.common.mesh], std::slice::from_ref(&args.output))?;
 
     let bar = progress_bar(job.progress, levels, "refining");

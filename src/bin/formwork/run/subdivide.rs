@@ -3,7 +3,6 @@ use std::path::PathBuf;
 use formwork::hierarchy::Hierarchy;
 use formwork::io::fields::{self, Fields};
 use formwork::io::{Surface, glb, json, obj};
-use formwork::scheme::Scheme;
 use serde_json::json;
 
 use super::{Outcome, count, progress_bar, size_of, work};
@@ -16,7 +15,7 @@ const FORMATS: [&str; 3] = ["glb", "json", "obj"];
 pub fn run(args: &Subdivide) -> Result<Outcome, Failure> {
     let format = format_of(&args.output, &FORMATS)?;
     let levels = usize::from(args.levels);
-    let job = Job::settle(&args.common, Scheme::Catmark(args.common.doo_sabin))?;
+    let job = Job::settle(&args.common)?;
     let mut inputs = vec![args.common.mesh.as_path()];
     inputs.extend(args.field.as_deref());
     let mut outputs = vec![args.output.clone()];

@@ -1,5 +1,4 @@
 use formwork::laws::{self, Report};
-use formwork::scheme::Scheme;
 use serde_json::json;
 
 use super::{Outcome, progress_bar, work};
@@ -9,7 +8,7 @@ use crate::job::Job;
 
 pub fn run(args: &Validate) -> Result<Outcome, Failure> {
     let levels = usize::from(args.levels);
-    let job = Job::settle(&args.common, Scheme::Catmark(args.common.doo_sabin))?;
+    let job = Job::settle(&args.common)?;
     let bar = progress_bar(job.progress, levels, "measuring");
     let report = laws::measure(&job.cage, job.scheme, levels, |level| bar.set_position(work(level)))?;
     let json = json!({
@@ -34,7 +33,7 @@ fn table(name: &str, report: &Report) -> String {
             short(row.d0_s0_minus_s1_d0),
             short(row.d1_s1_minus_s2_d1),
             short(row.s2_column_sum_minus_1),
-            short(row.s0_minus_opensubdiv)
+            optional(row.s0_minus_opensubdiv)
         );
     }
     text += "\nA refined differential, summed along each control edge\n";
@@ -45,7 +44,7 @@ fn table(name: &str, report: &Report) -> String {
             "{:>5}   {:>29}   {:>27}   {rate:>4}\n",
             row.level,
             short(row.telescoped_minus_refined),
-            short(row.telescoped_minus_limit)
+            optional(row.telescoped_minus_limit)
         );
     }
     let verdict = if report.holds() { "OK" } else { "FAIL" };
@@ -54,6 +53,11 @@ fn table(name: &str, report: &Report) -> String {
         short(report.worst()),
         report.tolerance
     )
+}
+
+/// OpenSubdiv has no such scheme where there is nothing to compare with.
+fn optional(deviation: Option<f64>) -> String {
+    deviation.map_or("-".to_owned(), short)
 }
 
 fn short(deviation: f64) -> String {

@@ -1,0 +1,88 @@
+//! Where a spoke stands among the faces of its vertex, once sharp spokes have cut the fan.
+
+use crate::osd::{Masks, Rule};
+use crate::topology::{Fan, HalfEdge, Mesh};
+
+/// The place of a spoke in its fan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// Nothing cuts the fan: the spoke leads face `position` of a smooth vertex.
+    Smooth { position: usize },
+    /// The spoke lies between two neighbouring cuts.
+    Sector {
+        /// The position of the sector's first face in the fan.
+        start: usize,
+        /// The number of its faces; positions run on modulo the fan.
+        faces: usize,
+        /// The spoke, counted from the first cut (0 is the cut itself).
+        spoke: usize,
+    },
+}
+
+/// Visits the rules that OpenSubdiv blends at the tail `v` of `h`, with their weights, and the place of
+/// the spoke `h` under each; nothing where `h` has no face on its left.
+///
+/// At smooth vertices and darts nothing is cut. Else the sharp spokes cut, by their sharpness on this
+/// level for the rule of the parent, on the next for the rule of the child. A fan without a sharp spoke is
+/// treated as smooth whatever the rule of its vertex.
+pub(super) fn for_each_rule<'m>(
+    mesh: &'m Mesh,
+    masks: &Masks,
+    h: HalfEdge,
+    mut visit: impl FnMut(f64, Rule, Fan<'m>, Place),
+) {
+    let Some(corner) = mesh.left_corner(h) else { return };
+    let (fan, position) = mesh.fan_of_corner(corner);
+    let v = mesh.tail(h) as usize;
+    let spoke = |i: usize| mesh.corner_half_edge(fan.corners[i]);
+    let parent_weight = masks.parent_weight[v];
+    if parent_weight != 0.0 {
+        let rule = masks.parent_rule[v];
+        let cut = |i| !rule.is_smooth() && masks.parent_sharp[spoke(i).edge() as usize];
+        visit(parent_weight, rule, fan, place(fan, position, cut));
+    }
+    if parent_weight != 1.0 {
+        let rule = masks.child_rule[v];
+        let cut = |i| !rule.is_smooth() && masks.child_sharp[spoke(i).index()];
+        visit(1.0 - parent_weight, rule, fan, place(fan, position, cut));
+    }
+}
+
+/// The place of the spoke that leads face `position`, `cut(i)` saying whether the spoke of face `i` is cut.
+/// The ends of an open fan are cuts. A single cut in a cyclic fan bounds its sector on both sides.
+fn place(fan: Fan<'_>, position: usize, cut: impl Fn(usize) -> bool) -> Place {
+    let k = fan.corners.len();
+    let is_cut = |i: usize| (!fan.cyclic && i.is_multiple_of(k)) || cut(i % k);
+    match (0..k).find(|&back| is_cut(position + k - back)) {
+        None => Place::Smooth { position },
+        Some(back) => {
+            let on = (1..=k - back).find(|&on| is_cut(position + on)).unwrap_or(k - back);
+            Place::Sector { start: (position + k - back) % k, faces: back + on, spoke: back }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(k: usize, cyclic: bool, cuts: &[usize], position: usize) -> Place {
+        let corners: Vec<u32> = (0..k as u32).collect();
+        place(Fan { corners: &corners, cyclic }, position, |i| cuts.contains(&i))
+    }
+
+    #[test]
+    fn sectors_lie_between_cuts() {
+        let sector = |start, faces, spoke| Place::Sector { start, faces, spoke };
+        assert_eq!(at(5, true, &[], 3), Place::Smooth { position: 3 });
+        assert_eq!(at(5, true, &[1], 0), sector(1, 5, 4), "one cut bounds both sides");
+        assert_eq!(at(5, true, &[1], 1), sector(1, 5, 0));
+        assert_eq!(at(6, true, &[1, 4], 2), sector(1, 3, 1));
+        assert_eq!(at(6, true, &[1, 4], 0), sector(4, 3, 2), "sectors run on past the last face");
+        assert_eq!(at(4, false, &[], 0), sector(0, 4, 0));
+        assert_eq!(at(4, false, &[], 3), sector(0, 4, 3));
+        assert_eq!(at(4, false, &[2], 3), sector(2, 2, 1));
+        assert_eq!(at(4, false, &[2], 1), sector(0, 2, 1));
+        assert_eq!(at(1, true, &[0], 0), sector(0, 1, 0));
+    }
+}
