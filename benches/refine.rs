@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use criterion::Criterion;
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
-use formwork::osd::Refiner;
+use formwork::osd::{OsdScheme, Refiner};
 use formwork::scheme::Scheme;
 use formwork::topology::{Cage, Crease, Descriptor};
 
@@ -83,7 +83,7 @@ fn random_form(hierarchy: &Hierarchy) -> Cochain<1> {
 
 fn cascade(name: &str, cage: &Cage) {
     let refine = || {
-        let mut refiner = Refiner::new(cage).unwrap();
+        let mut refiner = Refiner::new(cage, OsdScheme::Catmark).unwrap();
         refiner.refine_uniform(3).unwrap();
         refiner
     };
