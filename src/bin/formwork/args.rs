@@ -72,7 +72,9 @@ and of d1 S1 - S2 d1; how far the column sums of S2 are from 1; the largest
 difference between our S0 and OpenSubdiv's. Then, for a random 0-form, its
 refined differential summed along each control edge, against the difference of
 OpenSubdiv's refined values (equal to rounding) and of its limit values
-(approached by the rate shown).
+(approached by the rate shown: 2 on regular meshes, less next to semi-sharp
+creases, darts and n-gons, where its limit values are not exact). Schemes that
+OpenSubdiv does not have are compared with their own S0.
 
 Examples:
   formwork validate assets/creased_box.obj --levels 3

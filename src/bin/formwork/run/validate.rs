@@ -3,7 +3,7 @@ use serde_json::json;
 
 use super::{Outcome, progress_bar, work};
 use crate::Failure;
-use crate::args::Validate;
+use crate::args::{Validate, scheme_name};
 use crate::job::Job;
 
 pub fn run(args: &Validate) -> Result<Outcome, Failure> {
@@ -14,17 +14,19 @@ pub fn run(args: &Validate) -> Result<Outcome, Failure> {
     let json = json!({
         "command": "validate",
         "mesh": job.asset.name,
+        "scheme": scheme_name(job.scheme),
         "levels": report.levels,
         "limit": report.limit,
         "tolerance": report.tolerance,
         "worst": report.worst(),
         "holds": report.holds(),
     });
-    Ok(Outcome { text: table(&job.asset.name, &report), json, notes: job.asset.notes, holds: report.holds() })
+    let heading = format!("{}, scheme {}", job.asset.name, scheme_name(job.scheme));
+    Ok(Outcome { text: table(&heading, &report), json, notes: job.asset.notes, holds: report.holds() })
 }
 
-fn table(name: &str, report: &Report) -> String {
-    let mut text = format!("{name}\n\nExact laws, largest deviation\n");
+fn table(heading: &str, report: &Report) -> String {
+    let mut text = format!("{heading}\n\nExact laws, largest deviation\n");
     text += "level   d0 S0 - S1 d0   d1 S1 - S2 d1   column sums of S2 - 1   S0 - OpenSubdiv's S0\n";
     for row in &report.levels {
         text += &format!(
@@ -46,6 +48,9 @@ fn table(name: &str, report: &Report) -> String {
             short(row.telescoped_minus_refined),
             optional(row.telescoped_minus_limit)
         );
+    }
+    if report.limit.iter().any(|row| row.telescoped_minus_limit.is_none()) {
+        text += "\nOpenSubdiv has no such scheme: S0 and the refined values are formwork's own.\n";
     }
     let verdict = if report.holds() { "OK" } else { "FAIL" };
     text + &format!(
