@@ -147,7 +147,10 @@ fn validate_prints_a_verdict() {
     );
     let report =
         object(folder.path(), &["validate", &cube, "--levels", "2", "--json", "--doo-sabin", "original"]);
-    assert_eq!(keys(&report), ["command", "holds", "levels", "limit", "mesh", "notes", "tolerance", "worst"]);
+    assert_eq!(
+        keys(&report),
+        ["command", "holds", "levels", "limit", "mesh", "notes", "scheme", "tolerance", "worst"]
+    );
     assert_eq!(report["holds"], true);
     assert_eq!(report["levels"].as_array().unwrap().len(), 2);
     assert!(report["worst"].as_f64().unwrap() <= 1e-12);

@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{Outcome, count, progress_bar, size_of, work};
 use crate::Failure;
-use crate::args::Operators;
+use crate::args::{Operators, scheme_name};
 use crate::job::{Job, check_outputs, format_of};
 
 pub fn run(args: &Operators) -> Result<Outcome, Failure> {
@@ -46,6 +46,7 @@ pub fn run(args: &Operators) -> Result<Outcome, Failure> {
     let json = json!({
         "command": "operators",
         "mesh": job.asset.name,
+        "scheme": scheme_name(job.scheme),
         "levels": levels,
         "vertices": mesh.num_vertices(),
         "edges": mesh.num_edges(),

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{Outcome, count, progress_bar, size_of, work};
 use crate::Failure;
-use crate::args::Subdivide;
+use crate::args::{Subdivide, scheme_name};
 use crate::job::{Job, check_outputs, format_of};
 
 const FORMATS: [&str; 3] = ["glb", "json", "obj"];
@@ -81,6 +81,7 @@ fn outcome(job: &Job, surface: &Surface, written: &[PathBuf]) -> Outcome {
     let json = json!({
         "command": "subdivide",
         "mesh": job.asset.name,
+        "scheme": scheme_name(job.scheme),
         "level": surface.level(),
         "vertices": mesh.num_vertices(),
         "edges": surface.edges().len(),
