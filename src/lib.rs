@@ -9,7 +9,7 @@
 //! ```
 //!
 //! It follows Ke Wang, "A Subdivision Approach to the Construction of Smooth Differential Forms" (PhD
-//! thesis, Caltech 2008), and covers every mesh that OpenSubdiv's Catmull-Clark takes.
+//! thesis, 2008), and covers every mesh that OpenSubdiv's Catmull-Clark, Loop and bilinear schemes take.
 //!
 //! # A tour
 //!
@@ -43,7 +43,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Modules import downwards only: `sparse`, `topology`, `osd`; then `cochain`, `field`, `io`; then
+//! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
 //! `scheme`; `hierarchy`; `laws`. `ARCHITECTURE.md` draws them.
 
 #![deny(unsafe_code)]
@@ -59,6 +59,11 @@ pub mod scheme;
 pub mod sparse;
 pub mod symbol;
 pub mod topology;
+
+/// The crate of the vectors in the public API, for callers to use in the same version.
+pub use nalgebra;
+/// The crate of the matrices in the public API, likewise.
+pub use sprs;
 
 /// Runs the examples of the README.
 #[cfg(doctest)]
