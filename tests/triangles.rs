@@ -13,11 +13,10 @@ use std::f64::consts::{PI, TAU};
 
 use approx::assert_abs_diff_eq;
 use common::meshes::{bipyramid, hexagonal_torus, polygons, triangle_fan};
-use common::step::{Step, WEIGHT, assert_row};
+use common::step::{Step, WEIGHT, assert_blended, assert_row};
 use common::{assert_laws, triangle_schemes};
 use formwork::scheme::half_box::{corner_matrix, weights};
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
-use formwork::sparse::Csr;
 use formwork::symbol::{Lattice, Symbol, smooth, whitney};
 use formwork::topology::{Cage, Crease, Descriptor, Parent};
 
@@ -352,22 +351,7 @@ fn creases_are_boundaries_and_fractional_ones_blend() {
             );
         }
         assert_row(&sharp.even(0, 1), &[((0, 1), 0.375), ((4, 0), 0.125)]);
-        let p = f64::from(0.3f32);
-        let [blended, sharp, smooth] = [blended, sharp, smooth].map(|step| step.operators);
-        for (blended, sharp, smooth) in [
-            (&blended.s0, &sharp.s0, &smooth.s0),
-            (&blended.s1, &sharp.s1, &smooth.s1),
-            (&blended.s2, &sharp.s2, &smooth.s2),
-        ] {
-            for (row, column) in (0..blended.rows()).flat_map(|r| (0..blended.cols()).map(move |c| (r, c))) {
-                let entry = |m: &Csr| m.get(row, column).copied().unwrap_or(0.0);
-                assert_abs_diff_eq!(
-                    entry(blended),
-                    p * entry(sharp) + (1.0 - p) * entry(smooth),
-                    epsilon = 1e-8
-                );
-            }
-        }
+        assert_blended(&blended, f64::from(0.3f32), &sharp, &smooth);
     }
 }
 

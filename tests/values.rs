@@ -8,7 +8,7 @@ mod common;
 
 use approx::assert_abs_diff_eq;
 use common::meshes::{fan, grid, polygons};
-use common::step::{Step, WEIGHT, assert_row};
+use common::step::{Step, WEIGHT, assert_blended, assert_row};
 use formwork::scheme::{DooSabin, Scheme};
 use formwork::symbol::{Lattice, Rational, smooth};
 use formwork::topology::{BoundaryInterpolation, Crease, Descriptor, Parent, TriangleSubdivision};
@@ -194,26 +194,8 @@ fn creases_are_boundaries_from_both_sides() {
 /// OpenSubdiv blends the rules of a crease that decays within the step; so do S1 and S2, entry by entry.
 #[test]
 fn fractional_creases_blend_linearly() {
-    let [blended, sharp, smooth] =
-        [0.3, 10.0, 0.0].map(|s| catmark(creased_torus(s), DooSabin::Thesis).operators);
-    let p = f64::from(0.3f32);
-    for (blended, sharp, smooth) in [
-        (&blended.s0, &sharp.s0, &smooth.s0),
-        (&blended.s1, &sharp.s1, &smooth.s1),
-        (&blended.s2, &sharp.s2, &smooth.s2),
-    ] {
-        for row in 0..blended.rows() {
-            for column in 0..blended.cols() {
-                let entry = |m: &formwork::sparse::Csr| m.get(row, column).copied().unwrap_or(0.0);
-                // OpenSubdiv forms 1 - p in single precision.
-                assert_abs_diff_eq!(
-                    entry(blended),
-                    p * entry(sharp) + (1.0 - p) * entry(smooth),
-                    epsilon = 1e-8
-                );
-            }
-        }
-    }
+    let [blended, sharp, smooth] = [0.3, 10.0, 0.0].map(|s| catmark(creased_torus(s), DooSabin::Thesis));
+    assert_blended(&blended, f64::from(0.3f32), &sharp, &smooth);
 }
 
 /// At a dart the vertex rule is smooth although one spoke is sharp: the child faces beside that spoke lose

@@ -2,6 +2,7 @@
 #![allow(dead_code)] // each test binary uses its own part
 
 pub mod meshes;
+pub mod run;
 pub mod shapes;
 pub mod step;
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use approx::assert_abs_diff_eq;
 use formwork::hierarchy::{Hierarchy, Operators};
 use formwork::scheme::Scheme;
-use formwork::sparse::row_of;
+use formwork::sparse::{Csr, row_of};
 use formwork::topology::{Cage, Descriptor, HalfEdge, Mesh, Parent};
 
 /// Weights are compared to rounding.
@@ -90,5 +90,21 @@ pub fn assert_row<K: Ord + Copy + std::fmt::Debug>(row: &BTreeMap<K, f64>, expec
     assert_eq!(row.keys().collect::<Vec<_>>(), expected.keys().collect::<Vec<_>>(), "{row:?} {expected:?}");
     for (key, &weight) in &expected {
         assert_abs_diff_eq!(row[key], weight, epsilon = WEIGHT);
+    }
+}
+
+/// Every entry of S0, S1 and S2 is `p` times the sharp one and `1 - p` times the smooth one. OpenSubdiv forms
+/// `1 - p` in single precision.
+pub fn assert_blended(blended: &Step, p: f64, sharp: &Step, smooth: &Step) {
+    let all = |step: &Step| [&step.operators.s0, &step.operators.s1, &step.operators.s2].map(Csr::clone);
+    for ((blended, sharp), smooth) in all(blended).iter().zip(all(sharp)).zip(all(smooth)) {
+        for (row, column) in (0..blended.rows()).flat_map(|r| (0..blended.cols()).map(move |c| (r, c))) {
+            let entry = |m: &Csr| m.get(row, column).copied().unwrap_or(0.0);
+            assert_abs_diff_eq!(
+                entry(blended),
+                p * entry(&sharp) + (1.0 - p) * entry(&smooth),
+                epsilon = 1e-8
+            );
+        }
     }
 }
