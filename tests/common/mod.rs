@@ -13,6 +13,9 @@ use formwork::topology::Cage;
 /// What holds algebraically is tested to this, relative to weights of order 1.
 pub const EXACT: f64 = 1e-12;
 
+/// What limits are held to: their tables are solutions of small linear systems.
+pub const LIMIT: f64 = 1e-13;
+
 /// Our S0 against OpenSubdiv's own weights.
 pub const SAME_WEIGHTS: f64 = 1e-14;
 
