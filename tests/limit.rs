@@ -72,3 +72,18 @@ fn limit_laws_hold_on_every_catmark_shape() {
 fn limit_laws_hold_on_every_loop_shape() {
     assert_on_shapes("loop", &triangle_schemes());
 }
+
+#[test]
+fn limit_laws_hold_next_to_each_other() {
+    let modified = Scheme::Loop(formwork::scheme::Variant::ModifiedLoop, Default::default());
+    for k in 3..13 {
+        let cage = Cage::new(common::meshes::bipyramid(k)).unwrap();
+        for scheme in triangle_schemes() {
+            let hierarchy = Hierarchy::new(&cage, scheme, 2).unwrap();
+            for level in 0..2 {
+                assert_limit_laws(&format!("bipyramid {k} {scheme:?}"), &hierarchy, level);
+            }
+        }
+    }
+    let _ = modified;
+}

@@ -17,10 +17,20 @@
 //! back by the recursion (B).
 
 mod crossing;
+mod frame;
 mod model;
 mod neighbourhood;
+mod patch;
+mod quad;
 mod settled;
+mod surface;
+mod tables;
+mod triangle;
 mod unsettled;
+mod vertex;
+
+pub use patch::Jet;
+pub use surface::{LimitSurface, PointError, SurfaceError, SurfacePoint};
 
 use crate::cochain::{Cochain, Value, d1};
 use crate::hierarchy::{Hierarchy, HierarchyError};

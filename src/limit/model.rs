@@ -6,7 +6,7 @@
 
 use nalgebra::DMatrix;
 
-use super::neighbourhood::{Configuration, around_corner, fan_cells};
+use super::neighbourhood::{Cells, Configuration, around_corner, around_face, fan_cells, patch_cells};
 use crate::hierarchy::{Hierarchy, HierarchyError};
 use crate::osd::{Refiner, Rule, Tags};
 use crate::scheme::{Scheme, Variant};
@@ -41,6 +41,57 @@ pub fn cage(kind: SplitKind, c: Configuration) -> Cage {
     Cage::new(descriptor).expect("a fan is a cage")
 }
 
+/// A refined cage with one configuration in its middle.
+pub struct Model {
+    hierarchy: Hierarchy,
+}
+
+impl Model {
+    /// Refines the model of a configuration, whatever the position in it.
+    ///
+    /// # Errors
+    /// If the model does not fit memory or OpenSubdiv fails.
+    pub fn new(
+        kind: SplitKind,
+        scheme: Scheme,
+        configuration: Configuration,
+        levels: usize,
+    ) -> Result<Self, HierarchyError> {
+        let cage = match configuration.pinched {
+            true => cage(kind, Configuration::new(Rule::Crease, false, 1, 0)),
+            false => cage(kind, configuration),
+        };
+        Ok(Model { hierarchy: Hierarchy::new(&cage, scheme, levels)? })
+    }
+
+    /// The levels.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
+    /// The corner on `level` that has the configuration, and the cells that matter to its face.
+    ///
+    /// # Panics
+    /// If the model is that of another configuration.
+    pub fn patch(&self, level: usize, configuration: Configuration) -> (u32, Cells) {
+        let (mesh, tags) = (self.hierarchy.level(level).mesh(), self.hierarchy.level(level).tags());
+        let mut candidates = match configuration.pinched {
+            true => {
+                let parent = self.hierarchy.level(level - 1).mesh();
+                let corner = parent.fans(0).next().expect("a model has faces").corners[0];
+                vec![self.hierarchy.refinement(level).split().middle_corner(parent, corner)]
+            }
+            false => mesh.fans(0).flat_map(|fan| fan.corners).copied().collect(),
+        }
+        .into_iter();
+        let found = candidates.find_map(|corner| {
+            let (found, corners) = around_face(mesh, tags, corner);
+            (found == configuration).then(|| (corner, patch_cells(mesh, found, &corners)))
+        });
+        found.expect("the model has its configuration in the middle")
+    }
+}
+
 /// The edges of the faces round a dart, beginning with the sharp spoke; `None` if there is no such.
 pub fn dart_ring(mesh: &Mesh, tags: &Tags, v: u32) -> Option<Vec<HalfEdge>> {
     let fan = mesh.fans(v).next()?;
@@ -52,9 +103,10 @@ pub fn dart_ring(mesh: &Mesh, tags: &Tags, v: u32) -> Option<Vec<HalfEdge>> {
 /// vertex, which is not the limit of its own refinement; this is: `K0 = N (I - A)^-1`, `N` the displacement of
 /// the vertex, `A` the block of `S1` on the ring.
 pub fn dart_row(scheme: Scheme, kind: SplitKind, k: usize) -> Result<Vec<f64>, HierarchyError> {
-    let configuration = Configuration { rule: Rule::Dart, cyclic: true, faces: k as u32, position: 0 };
+    let configuration = Configuration::new(Rule::Dart, true, k as u32, 0);
     let levels = LEVELS;
-    let hierarchy = Hierarchy::new(&cage(kind, configuration), scheme, levels)?;
+    let model = Model::new(kind, scheme, configuration, levels)?;
+    let hierarchy = model.hierarchy();
     let ring = |l: usize| {
         let level = hierarchy.level(l);
         dart_ring(level.mesh(), level.tags(), 0).expect("the model has a dart")
@@ -63,18 +115,18 @@ pub fn dart_row(scheme: Scheme, kind: SplitKind, k: usize) -> Result<Vec<f64>, H
     let a = block(&hierarchy.operators(levels).s1, &parent, &child);
     let displacement = block(&hierarchy.refinement(levels).homotopy().h0, &parent, &[(0, 1.0)]);
     let n = parent.len();
-    let dense = |m: &Csr| {
-        let mut dense = DMatrix::zeros(m.rows(), n);
-        for (i, j, weight) in (0..m.rows()).flat_map(|i| {
-            let (columns, weights) = row_of(m, i);
-            std::iter::zip(columns, weights).map(move |(&j, &weight)| (i, j as usize, weight))
-        }) {
-            dense[(i, j)] = weight;
-        }
-        dense
-    };
     let row = (DMatrix::identity(n, n) - dense(&a)).transpose().lu().solve(&dense(&displacement).transpose());
     Ok(row.expect("I - A is regular").as_slice().to_vec())
+}
+
+/// A small matrix with all its entries.
+pub fn dense(matrix: &Csr) -> DMatrix<f64> {
+    let mut dense = DMatrix::zeros(matrix.rows(), matrix.cols());
+    for i in 0..matrix.rows() {
+        let (columns, weights) = row_of(matrix, i);
+        columns.iter().zip(weights).for_each(|(&j, &weight)| dense[(i, j as usize)] = weight);
+    }
+    dense
 }
 
 /// Half-edges as edges with signs.
@@ -112,7 +164,7 @@ pub fn neighbour_weight(scheme: Scheme, k: usize) -> Result<f64, HierarchyError>
     if let Scheme::Loop(Variant::ModifiedLoop, _) = scheme {
         return Ok((3.0 + 8.0 * crate::scheme::modified_loop::smooth_eps(k)) / (8.0 * k as f64));
     }
-    let configuration = Configuration { rule: Rule::Smooth, cyclic: true, faces: k as u32, position: 0 };
+    let configuration = Configuration::new(Rule::Smooth, true, k as u32, 0);
     let mut refiner =
         Refiner::new(&cage(SplitKind::Triangle, configuration), scheme.opensubdiv(SplitKind::Triangle))?;
     refiner.refine_uniform(1)?;

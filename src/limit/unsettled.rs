@@ -8,7 +8,24 @@ use crate::hierarchy::{Hierarchy, HierarchyError};
 use crate::osd::{Rules, Tags};
 use crate::scheme::{FaceRows, Homotopy, Scheme};
 use crate::sparse::{Csr, Row, assemble, row_of};
-use crate::topology::{BoundaryInterpolation, Cage, Corner, Crease, Descriptor, HalfEdge, Mesh, Parent};
+use crate::topology::{
+    BoundaryInterpolation, Cage, Corner, Crease, Descriptor, HalfEdge, Mesh, Parent, SplitKind,
+};
+
+/// After how many levels a cage has no semi-sharp feature and no face but those of the split.
+///
+/// # Errors
+/// If the scheme does not take the cage.
+pub fn levels_to_settle(cage: &Cage, scheme: Scheme) -> Result<usize, HierarchyError> {
+    let d = cage.descriptor();
+    let kind = scheme.split(&d.face_sizes)?;
+    let sharpness = d.creases.iter().map(|c| c.sharpness).chain(d.corners.iter().map(|c| c.sharpness));
+    // It falls by one a level, under Chaikin's rule by at least one from the largest.
+    let most = sharpness.filter(|&s| s < super::INFINITE).fold(0.0, f32::max).ceil() as usize;
+    let most = if FaceRows::of(scheme).is_some() { most } else { 0 }; // nothing decays in Whitney schemes
+    let polygons = kind == SplitKind::Quad && d.face_sizes.iter().any(|&size| size != 4);
+    Ok(most.max(usize::from(polygons)))
+}
 
 /// The cells whose rows are wanted.
 pub struct Wanted {
