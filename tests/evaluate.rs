@@ -1,108 +1,345 @@
-//! Evaluation at points: the integrals of evaluated forms are the limit operators', `d` of the evaluated form is the
-//! evaluated derivative.
+//! Evaluation at points: integrals of evaluated forms are the limit operators', `d` of an evaluated form is its
+//! evaluated derivative, neighbours agree on their common edge.
 
 mod common;
 
 use common::meshes::{bipyramid, fan, grid, hexagonal_torus, triangle_fan};
+use common::{random, triangle_schemes};
 use formwork::cochain::Cochain;
-use formwork::hierarchy::Hierarchy;
-use formwork::limit::{Limit, LimitSurface, SurfacePoint};
-use formwork::scheme::{BoundaryRule, Scheme, Variant};
-use formwork::topology::{Cage, Corner, Crease, Descriptor, SplitKind};
+use formwork::field::sharp;
+use formwork::limit::{Limit, LimitSurface, PointError, SurfacePoint};
+use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
+use formwork::topology::{Cage, Corner, Crease, Descriptor, Mesh, SplitKind};
+use nalgebra::Vector3;
 
-/// Gauss' rule of five points on `[0, 1]`, exact to degree 9.
-fn gauss() -> [(f64, f64); 5] {
-    let (a, b) = (
-        (5.0 - 2.0 * (10.0f64 / 7.0).sqrt()).sqrt() / 3.0,
-        (5.0 + 2.0 * (10.0f64 / 7.0).sqrt()).sqrt() / 3.0,
-    );
-    let (wa, wb) = ((322.0 + 13.0 * 70f64.sqrt()) / 900.0, (322.0 - 13.0 * 70f64.sqrt()) / 900.0);
-    [(-b, wb), (-a, wa), (0.0, 128.0 / 225.0), (a, wa), (b, wb)].map(|(x, w)| ((1.0 + x) / 2.0, w / 2.0))
-}
+/// What integrals are held to.
+const INTEGRAL: f64 = 1e-10;
 
-/// Panels of `[0, 1]` that shrink towards both ends, where irregular vertices are: between them the forms are
-/// polynomials. What is left at the ends is below 2^-40.
-fn panels() -> Vec<[f64; 2]> {
+/// Gauss' rule of three points on `[0, 1]`, exact to degree 5.
+const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
+/// Panels of `[0, 1]` that shrink towards both ends, where irregular vertices are, to 2^-depth: between them the
+/// forms are polynomials.
+fn panels(depth: i32) -> Vec<[f64; 2]> {
     let mut ends = vec![0.0];
-    ends.extend((1..=40).rev().map(|i| 0.5f64.powi(i)));
-    ends.extend((2..=40).map(|i| 1.0 - 0.5f64.powi(i)));
-    ends.push(1.0);
+    for i in (0..depth).rev() {
+        let end = 0.5f64.powi(i + 1);
+        ends.extend([1.0, 1.25, 1.5, 1.75].map(|x| x * end));
+    }
+    ends.retain(|&x| x < 0.5);
+    let mirrored: Vec<f64> = ends.iter().rev().map(|x| 1.0 - x).collect();
+    ends.push(0.5);
+    ends.extend(mirrored);
     ends.windows(2).map(|w| [w[0], w[1]]).collect()
 }
 
-fn random(len: usize, seed: u64) -> Vec<f64> {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    (0..len)
-        .map(|_| {
-            state ^= state << 13;
-            state ^= state >> 7;
-            state ^= state << 17;
-            (state >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-        })
-        .collect()
+fn quadrature(depth: i32) -> Vec<(f64, f64)> {
+    let on = |[a, b]: [f64; 2]| GAUSS.map(|(x, weight)| (a + (b - a) * x, weight * (b - a)));
+    panels(depth).into_iter().flat_map(on).collect()
 }
 
-fn assert_edges(name: &str, descriptor: Descriptor, scheme: Scheme) {
-    let cage = Cage::new(descriptor).unwrap();
-    let surface = LimitSurface::new(&cage, scheme).unwrap();
-    let hierarchy = Hierarchy::new(&cage, scheme, 0).unwrap();
-    let mesh = hierarchy.level(0).mesh();
-    let limit = Limit::new(&hierarchy, 0).unwrap();
-    let form = Cochain::<1>::new(random(mesh.num_edges(), 1));
-    let expected = limit.apply(mesh, &form);
-    let refined = surface.refine(&form);
-    let mut worst = 0.0f64;
-    for f in 0..mesh.num_faces() as u32 {
-        for (i, &h) in mesh.face_half_edges(f).iter().enumerate() {
-            let (mut points, mut weights) = (Vec::new(), Vec::new());
-            for [a, b] in panels() {
-                for (x, w) in gauss() {
-                    points.push(SurfacePoint { face: f, corner: i as u32, s: a + (b - a) * x, t: 0.0 });
-                    weights.push(w * (b - a));
-                }
-            }
-            let split = surface.hierarchy().split_kind();
-            if split == SplitKind::Quad && mesh.face_size(f) != 4 {
-                continue;
-            }
-            let jets = surface.evaluate_1(&refined, &points).unwrap();
-            let sum: f64 = jets.iter().zip(&weights).map(|(jet, w)| jet[0].value * w).sum();
-            worst = worst.max((sum - expected.along(h)).abs());
-        }
+/// Every kind of surroundings: closed and open, smooth vertices of valence 3 to 12, creases, corners, darts,
+/// semi-sharp creases, polygons.
+fn zoo() -> Vec<(String, Descriptor, Scheme)> {
+    let catmark = Scheme::default();
+    let loop_ = |variant, boundary| Scheme::Loop(variant, boundary);
+    let mut zoo = vec![
+        ("torus".to_owned(), grid(4, 4, true), catmark),
+        ("open grid".to_owned(), grid(3, 3, false), catmark),
+        ("polygons".to_owned(), fan(&[3, 4, 5, 4, 6]), catmark),
+        ("Doo-Sabin 1978".to_owned(), fan(&[4; 5]), Scheme::Catmark(DooSabin::Original)),
+        ("bilinear".to_owned(), fan(&[4; 5]), Scheme::Bilinear),
+        ("Whitney".to_owned(), bipyramid(5), Scheme::Whitney),
+        ("hexagonal torus".to_owned(), hexagonal_torus(4, 4), loop_(Variant::Loop, BoundaryRule::Reflect)),
+        ("one triangle".to_owned(), triangle_fan(1, false), loop_(Variant::Loop, BoundaryRule::Reflect)),
+    ];
+    for k in 3..=12 {
+        zoo.push((format!("fan {k}"), fan(&vec![4; k as usize]), catmark));
+        zoo.push((format!("bipyramid {k}"), bipyramid(k), loop_(Variant::Loop, BoundaryRule::Reflect)));
+        zoo.push((
+            format!("modified {k}"),
+            bipyramid(k),
+            loop_(Variant::ModifiedLoop, BoundaryRule::Reflect),
+        ));
+        zoo.push((
+            format!("open {k}"),
+            triangle_fan(k, false),
+            loop_(Variant::ModifiedLoop, BoundaryRule::Reflect),
+        ));
     }
-    println!("{name} {scheme:?}: circulations to {worst:.1e}");
-    if false {
-        assert!(worst < 1e-10, "{name}: {worst:e}");
+    for boundary in [BoundaryRule::Thesis, BoundaryRule::Dct] {
+        zoo.push((format!("{boundary:?}"), triangle_fan(5, false), loop_(Variant::Loop, boundary)));
+    }
+    let features = |mut d: Descriptor| {
+        for (a, b, sharpness) in [(0, 1, 10.0), (1, 2, 10.0), (2, 6, 10.0), (9, 10, 10.0), (5, 9, 1.5)] {
+            d.creases.push(Crease { vertices: [a, b], sharpness });
+        }
+        d.corners.push(Corner { vertex: 12, sharpness: 10.0 });
+        d
+    };
+    zoo.push(("features".to_owned(), features(grid(4, 4, true)), catmark));
+    let mut triangles = features(hexagonal_torus(4, 4));
+    triangles.creases.retain(|crease| crease.vertices != [5, 9]);
+    for scheme in triangle_schemes().into_iter().filter(|scheme| matches!(scheme, Scheme::Loop(..))) {
+        zoo.push((format!("features {scheme:?}"), triangles.clone(), scheme));
+    }
+    zoo
+}
+
+struct Case {
+    name: String,
+    surface: LimitSurface,
+}
+
+impl Case {
+    fn all() -> impl Iterator<Item = Case> {
+        zoo().into_iter().map(|(name, descriptor, scheme)| {
+            let surface = LimitSurface::new(&Cage::new(descriptor).unwrap(), scheme);
+            Case { surface: surface.unwrap_or_else(|error| panic!("{name}: {error}")), name }
+        })
+    }
+
+    fn mesh(&self) -> &Mesh {
+        self.surface.hierarchy().level(0).mesh()
+    }
+
+    fn kind(&self) -> SplitKind {
+        self.surface.hierarchy().split_kind()
+    }
+
+    /// Whether a face has parameters at each corner.
+    fn is_polygon(&self, face: u32) -> bool {
+        self.kind() == SplitKind::Quad && self.mesh().face_size(face) != 4
+    }
+
+    /// Points everywhere, some near the corners of their faces, on edges, and on both.
+    fn points(&self) -> Vec<SurfacePoint> {
+        let numbers = random(16 * self.mesh().num_faces(), 11);
+        let faces = 0..self.mesh().num_faces() as u32;
+        let mut points: Vec<SurfacePoint> = faces
+            .zip(numbers.chunks(16))
+            .flat_map(|(face, numbers)| {
+                let size = self.mesh().face_size(face) as u32;
+                numbers.chunks(2).enumerate().map(move |(i, pair)| {
+                    let near = if i < 3 { 0.5f64.powi(7 * i as i32) } else { 1.0 };
+                    let [s, t] = [pair[0], pair[1]].map(|x| near * x.abs());
+                    SurfacePoint { face, corner: i as u32 % size, s, t: if i == 5 { 0.0 } else { t } }
+                })
+            })
+            .collect();
+        if self.kind() == SplitKind::Triangle {
+            for point in points.iter_mut().filter(|point| point.s + point.t > 1.0) {
+                (point.s, point.t) = (1.0 - point.s, 1.0 - point.t);
+            }
+        }
+        points
     }
 }
 
 #[test]
-fn circulations_are_the_limit_operators() {
-    let catmark = Scheme::default();
-    assert_edges("torus", grid(4, 4, true), catmark);
-    assert_edges("open grid", grid(3, 3, false), catmark);
-    for k in [3, 5, 6, 9] {
-        assert_edges(&format!("fan {k}"), fan(&vec![4; k]), catmark);
+fn circulations_along_edges_are_l1() {
+    let rule = quadrature(34);
+    let mut worst = 0.0f64;
+    for case in Case::all() {
+        let mesh = case.mesh();
+        let form = Cochain::<1>::new(random(mesh.num_edges(), 1));
+        let expected = Limit::new(case.surface.hierarchy(), 0).unwrap().apply(mesh, &form);
+        let refined = case.surface.refine(&form);
+        let along = |face, corner, end: f64| -> f64 {
+            let at = |&(x, _): &(f64, f64)| SurfacePoint { face, corner, s: x, t: end };
+            let points: Vec<_> = rule.iter().map(at).collect();
+            let jets = case.surface.evaluate_1(&refined, &points).unwrap();
+            jets.iter().zip(&rule).map(|(jet, (_, weight))| jet[0].value * weight).sum()
+        };
+        let backwards = |face, corner| -> f64 {
+            let at = |&(x, _): &(f64, f64)| SurfacePoint { face, corner, s: 0.0, t: x };
+            let points: Vec<_> = rule.iter().map(at).collect();
+            let jets = case.surface.evaluate_1(&refined, &points).unwrap();
+            jets.iter().zip(&rule).map(|(jet, (_, weight))| jet[1].value * weight).sum()
+        };
+        for face in 0..mesh.num_faces() as u32 {
+            let size = mesh.face_size(face) as u32;
+            for (corner, &h) in mesh.face_half_edges(face).iter().enumerate() {
+                let corner = corner as u32;
+                let sum = match case.is_polygon(face) {
+                    // From the corner to the midpoint, then from there to the next corner.
+                    true => along(face, corner, 0.0) - backwards(face, (corner + 1) % size),
+                    false => along(face, corner, 0.0),
+                };
+                let deviation = (sum - expected.along(h)).abs();
+                assert!(deviation <= INTEGRAL, "{}, face {face}, corner {corner}: {deviation:e}", case.name);
+                worst = worst.max(deviation);
+            }
+        }
     }
-    let mut dart = grid(4, 4, true);
-    dart.creases.push(Crease { vertices: [0, 1], sharpness: 10.0 });
-    assert_edges("darts", dart, catmark);
-    let mut creased = grid(4, 4, true);
-    for v in [1, 2, 6] {
-        creased.creases.push(Crease { vertices: [v, v + 1], sharpness: if v == 6 { 1.5 } else { 10.0 } });
+    println!("circulations of evaluated 1-forms: worst {worst:.1e}");
+}
+
+#[test]
+fn integrals_over_faces_are_l2() {
+    let rule = quadrature(12);
+    let mut worst = 0.0f64;
+    for case in Case::all() {
+        let mesh = case.mesh();
+        let form = Cochain::<2>::new(random(mesh.num_faces(), 2));
+        let expected = Limit::new(case.surface.hierarchy(), 0).unwrap().apply(mesh, &form);
+        let refined = case.surface.refine(&form);
+        for face in 0..mesh.num_faces().min(6) as u32 {
+            let corners = if case.is_polygon(face) { mesh.face_size(face) as u32 } else { 1 };
+            let (mut points, mut weights) = (Vec::new(), Vec::new());
+            for corner in 0..corners {
+                for &(x, wx) in &rule {
+                    for &(y, wy) in &rule {
+                        match case.kind() {
+                            SplitKind::Quad => {
+                                points.push(SurfacePoint { face, corner, s: x, t: y });
+                                weights.push(wx * wy);
+                            }
+                            SplitKind::Triangle => {
+                                points.push(SurfacePoint { face, corner, s: x * (1.0 - y), t: y });
+                                weights.push(wx * wy * (1.0 - y));
+                            }
+                        }
+                    }
+                }
+            }
+            let densities = case.surface.evaluate_2(&refined, &points).unwrap();
+            let sum: f64 = densities.iter().zip(&weights).map(|(density, weight)| density * weight).sum();
+            let deviation = (sum - expected[face as usize]).abs();
+            // The panels of a triangle cross the edges of its polynomials, but for a fine grading.
+            assert!(deviation <= 1e-6, "{}, face {face}: {deviation:e}", case.name);
+            worst = worst.max(deviation);
+        }
     }
-    creased.corners.push(Corner { vertex: 9, sharpness: 10.0 });
-    assert_edges("creased", creased, catmark);
-    let loop_ = |boundary| Scheme::Loop(Variant::Loop, boundary);
-    assert_edges("hexagonal torus", hexagonal_torus(4, 4), loop_(BoundaryRule::Reflect));
-    for k in [3, 4, 5, 7] {
-        assert_edges(&format!("bipyramid {k}"), bipyramid(k), loop_(BoundaryRule::Reflect));
-        assert_edges(
-            &format!("bipyramid {k}"),
-            bipyramid(k),
-            Scheme::Loop(Variant::ModifiedLoop, BoundaryRule::Reflect),
-        );
-        assert_edges(&format!("triangle fan {k}"), triangle_fan(k, false), loop_(BoundaryRule::Reflect));
-        assert_edges(&format!("closed triangle fan {k}"), triangle_fan(k, true), loop_(BoundaryRule::Dct));
+    println!("integrals of evaluated 2-forms: worst {worst:.1e}");
+}
+
+#[test]
+fn evaluation_commutes_with_d() {
+    let mut worst = 0.0f64;
+    for case in Case::all() {
+        let (mesh, points) = (case.mesh(), case.points());
+        let surface = &case.surface;
+        let finest = surface.hierarchy().finest().mesh();
+        let x = surface.refine(&Cochain::<0>::new(random(mesh.num_vertices(), 3)));
+        let c = surface.refine(&Cochain::<1>::new(random(mesh.num_edges(), 4)));
+        let value = surface.evaluate_0(&x, &points).unwrap();
+        let slope = surface.evaluate_1(&x.exterior_derivative(finest), &points).unwrap();
+        let form = surface.evaluate_1(&c, &points).unwrap();
+        let curl = surface.evaluate_2(&c.exterior_derivative(finest), &points).unwrap();
+        for i in 0..points.len() {
+            // Near irregular vertices values grow with the scale of the parameters.
+            let size = |jet: &formwork::limit::Jet<f64>| jet.value.abs().max(1.0);
+            let gradient =
+                |k: usize| (value[i].derivatives[k] - slope[i][k].value).abs() / size(&slope[i][k]);
+            let terms = [form[i][1].derivatives[0], form[i][0].derivatives[1]];
+            let scale = terms[0].abs().max(terms[1].abs()).max(1.0);
+            let vorticity = (terms[0] - terms[1] - curl[i]).abs() / scale;
+            let deviation = gradient(0).max(gradient(1)).max(vorticity);
+            assert!(deviation <= 1e-10, "{} at {:?}: {deviation:e}", case.name, points[i]);
+            worst = worst.max(deviation);
+        }
+    }
+    println!("evaluation and d: worst {worst:.1e}");
+}
+
+#[test]
+fn neighbours_agree_on_their_edge() {
+    for case in Case::all() {
+        let (mesh, surface) = (case.mesh(), &case.surface);
+        let x = surface.refine(&Cochain::<0>::new(random(mesh.num_vertices(), 5)));
+        let c = surface.refine(&Cochain::<1>::new(random(mesh.num_edges(), 6)));
+        for corner in 0..mesh.num_corners() as u32 {
+            let Some(across) = mesh.left_corner(mesh.corner_half_edge(corner).twin()) else { continue };
+            let [here, there] = [corner, across].map(|corner| {
+                let face = mesh.corner_face(corner);
+                (face, corner - mesh.corners(face).start)
+            });
+            if case.is_polygon(here.0) || case.is_polygon(there.0) {
+                continue;
+            }
+            for s in [1e-6, 0.125, 0.3, 0.5, 0.9] {
+                let points = [(here, s), (there, 1.0 - s)].map(|((face, corner), s)| SurfacePoint {
+                    face,
+                    corner,
+                    s,
+                    t: 0.0,
+                });
+                let [a, b] = surface.evaluate_0(&x, &points).unwrap()[..] else { unreachable!() };
+                let [p, q] = surface.evaluate_1(&c, &points).unwrap()[..] else { unreachable!() };
+                assert!((a.value - b.value).abs() <= 1e-12, "{} at {points:?}", case.name);
+                let along = (p[0].value + q[0].value).abs() / p[0].value.abs().max(1.0);
+                assert!(along <= 1e-11, "{} at {points:?}: {along:e}", case.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn values_at_vertices_are_l0() {
+    for case in Case::all() {
+        let (mesh, surface) = (case.mesh(), &case.surface);
+        let x = Cochain::<0>::new(random(mesh.num_vertices(), 7));
+        let limit = Limit::new(surface.hierarchy(), 0).unwrap().apply(mesh, &x);
+        let refined = surface.refine(&x);
+        let points: Vec<SurfacePoint> = (0..mesh.num_faces() as u32)
+            .flat_map(|face| {
+                let corners = 0..mesh.face_size(face) as u32;
+                corners.map(move |corner| SurfacePoint { face, corner, s: 0.0, t: 0.0 })
+            })
+            .collect();
+        for (corner, jet) in surface.evaluate_0(&refined, &points).unwrap().iter().enumerate() {
+            let expected = limit[mesh.corner_vertex(corner as u32) as usize];
+            assert!((jet.value - expected).abs() <= 1e-12, "{}, corner {corner}", case.name);
+        }
+    }
+}
+
+#[test]
+fn vectors_at_vertices_are_limits_of_vectors_beside_them() {
+    for case in Case::all() {
+        let (mesh, surface) = (case.mesh(), &case.surface);
+        let numbers = random(3 * mesh.num_vertices(), 8);
+        let points = numbers.chunks(3).map(|c| Vector3::new(c[0], c[1], c[2])).collect();
+        let x = surface.refine(&Cochain::<0, Vector3<f64>>::new(points));
+        let c = surface.refine(&Cochain::<1>::new(random(mesh.num_edges(), 9)));
+        let vector = |face, corner, scale: f64| {
+            let point = [SurfacePoint { face, corner, s: 0.6 * scale, t: 0.3 * scale }];
+            let jet = surface.evaluate_0(&x, &point).unwrap()[0];
+            let form = surface.evaluate_1(&c, &point).unwrap()[0];
+            // Where the two directions close up or come apart, neither they nor the vector need have a limit.
+            let [a, b] = jet.derivatives.map(|tangent| tangent.normalize());
+            (a.cross(&b).norm() > 0.05).then(|| sharp(jet.derivatives, form.map(|component| component.value)))
+        };
+        for corner in 0..mesh.num_corners() as u32 {
+            let face = mesh.corner_face(corner);
+            let corner = corner - mesh.corners(face).start;
+            let (Some(at), Some(near), Some(nearer)) =
+                (vector(face, corner, 0.0), vector(face, corner, 1e-5), vector(face, corner, 1e-10))
+            else {
+                continue;
+            };
+            let [far, close] = [near, nearer].map(|v| (v - at).norm() / at.norm().max(1.0));
+            assert!(
+                close < 0.05 && (close < 0.7 * far || close < 1e-6),
+                "{} {face} {corner}: {far:e} {close:e}",
+                case.name
+            );
+        }
+    }
+}
+
+#[test]
+fn points_off_the_surface_are_refused() {
+    let cage = Cage::new(grid(2, 2, false)).unwrap();
+    let surface = LimitSurface::new(&cage, Scheme::default()).unwrap();
+    let x = surface.refine(&Cochain::<0>::zeros(9));
+    let at = |face, corner, s, t| surface.evaluate_0(&x, &[SurfacePoint { face, corner, s, t }]).err();
+    assert_eq!(at(0, 3, 1.0, 1.0), None);
+    assert_eq!(at(4, 0, 0.0, 0.0), Some(PointError::NoFace { face: 4, count: 4 }));
+    assert_eq!(at(1, 4, 0.0, 0.0), Some(PointError::NoCorner { face: 1, corner: 4, size: 4 }));
+    for (s, t) in [(-0.1, 0.0), (0.0, 1.1), (f64::NAN, 0.5), (0.5, f64::INFINITY)] {
+        assert!(matches!(at(0, 0, s, t), Some(PointError::Outside { .. })), "{s} {t}");
     }
 }

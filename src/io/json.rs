@@ -8,6 +8,9 @@
 //! | `edges` | `[a, b]` for each edge, in the direction of its orientation |
 //! | `form0`, `form1`, `form2` | one value for each vertex, edge (from `a` to `b`), face; only forms that were given |
 //! | `face_vectors` | the tangent vector `[x, y, z]` of the 1-form at the centre of each face |
+//! | `normals` | on the limit: the unit normal `[x, y, z]` at each vertex |
+//! | `vertex_vectors` | on the limit, instead of `face_vectors`: the tangent vector at each vertex, the mean of its sides at creases |
+//! | `corner_vectors` | on the limit: the tangent vector at each entry of `face_vertices`, on its own side of creases |
 //!
 //! Indices start at 0. Faces that are holes are left out, and so are edges that have no other face.
 //! Numbers read back to the same bits.
@@ -43,6 +46,18 @@ pub fn write(path: &Path, surface: &Surface) -> Result<(), IoError> {
         }
         if let Some(vectors) = surface.face_vectors() {
             object.array("face_vectors", surface.faces().map(|f| <[f64; 3]>::from(vectors[f as usize])))?;
+        }
+        if let Some(at) = surface.at_vertices() {
+            let arrays = |vectors: &[nalgebra::Vector3<f64>]| -> Vec<[f64; 3]> {
+                vectors.iter().map(|&v| v.into()).collect()
+            };
+            object.array("normals", arrays(&at.normals).into_iter())?;
+            if let Some([vertices, corners]) = &at.vectors {
+                object.array("vertex_vectors", arrays(vertices).into_iter())?;
+                let corners = arrays(corners);
+                let written = surface.faces().flat_map(|f| mesh.corners(f)).map(|c| corners[c as usize]);
+                object.array("corner_vectors", written)?;
+            }
         }
         object.close()
     })

@@ -6,7 +6,8 @@
 //! | [`fields`] | forms on a mesh | forms on a mesh |
 //! | [`json`] | | a refined mesh with its forms |
 //! | [`glb`] | | a refined mesh, its tangent field and arrows, as binary glTF |
-//! | [`npz`] | | the operators of a hierarchy, for NumPy and SciPy |
+//! | [`points`] | points on faces | |
+//! | [`npz`] | | the operators of a hierarchy, and other arrays, for NumPy and SciPy |
 //!
 //! A reader of meshes hands back an [`Asset`], a writer of meshes takes a [`Surface`]. Every file is
 //! written beside its final name and moved there when complete ([`atomic`]), so that no run leaves half a
@@ -20,11 +21,12 @@ pub mod glb;
 pub mod json;
 pub mod npz;
 pub mod obj;
+pub mod points;
 mod surface;
 
 pub use asset::{Asset, SourceLines};
 pub use error::IoError;
-pub use surface::Surface;
+pub use surface::{AtVertices, Surface};
 
 use nalgebra::Vector3;
 

@@ -13,8 +13,19 @@ pub struct Surface<'a> {
     positions: &'a Positions,
     fields: &'a Fields,
     face_vectors: Option<Vec<Vector3<f64>>>,
+    at_vertices: Option<AtVertices>,
     faces: Vec<u32>,
     edges: Vec<u32>,
+}
+
+/// What is known at the vertices of a surface that lies on its limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtVertices {
+    /// The unit normal of the limit surface at each vertex.
+    pub normals: Vec<Vector3<f64>>,
+    /// The tangent vectors of the 1-form, if there is one: at each vertex, the mean of its sides where a crease
+    /// gives it several, and at each corner of a face, in the order of the face's vertices, that of its side.
+    pub vectors: Option<[Vec<Vector3<f64>>; 2]>,
 }
 
 impl<'a> Surface<'a> {
@@ -62,7 +73,23 @@ impl<'a> Surface<'a> {
         finite("the vector of face", face_vectors.as_deref().unwrap_or_default(), |x| {
             x.iter().all(|x| x.is_finite())
         })?;
-        Ok(Surface { level, mesh, positions, fields, face_vectors, faces, edges })
+        Ok(Surface { level, mesh, positions, fields, face_vectors, at_vertices: None, faces, edges })
+    }
+
+    /// The same with exact normals and vectors at the vertices, which replace the vectors of the faces.
+    ///
+    /// # Panics
+    /// If there is not one for each vertex and corner of the mesh.
+    pub fn on_limit(mut self, at_vertices: AtVertices) -> Self {
+        assert_eq!(at_vertices.normals.len(), self.mesh.num_vertices(), "normals of another mesh");
+        if let Some([vertices, corners]) = &at_vertices.vectors {
+            let lengths = (vertices.len(), corners.len());
+            let wanted = (self.mesh.num_vertices(), self.mesh.num_corners());
+            assert_eq!(lengths, wanted, "vectors of another mesh");
+        }
+        self.face_vectors = None;
+        self.at_vertices = Some(at_vertices);
+        self
     }
 
     /// The level of refinement; 0 is the control cage.
@@ -85,9 +112,15 @@ impl<'a> Surface<'a> {
         self.fields
     }
 
-    /// The tangent vector of the 1-form at the centre of each face of the whole mesh, if there is one.
+    /// The tangent vector of the 1-form at the centre of each face of the whole mesh, if there is one and the
+    /// surface does not lie on its limit.
     pub fn face_vectors(&self) -> Option<&[Vector3<f64>]> {
         self.face_vectors.as_deref()
+    }
+
+    /// The exact normals and vectors at the vertices, if the surface lies on its limit.
+    pub fn at_vertices(&self) -> Option<&AtVertices> {
+        self.at_vertices.as_ref()
     }
 
     /// The faces that are written, ascending: the `i`-th of them is face `i` of the file.

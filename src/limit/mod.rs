@@ -25,12 +25,14 @@ mod quad;
 mod settled;
 mod surface;
 mod tables;
+mod tangents;
 mod triangle;
 mod unsettled;
 mod vertex;
 
 pub use patch::Jet;
 pub use surface::{LimitSurface, PointError, SurfaceError, SurfacePoint};
+pub use tangents::LimitTangents;
 
 use crate::cochain::{Cochain, Value, d1};
 use crate::hierarchy::{Hierarchy, HierarchyError};
@@ -70,10 +72,25 @@ impl Limit {
     /// # Panics
     /// If there is no such level.
     pub fn new(hierarchy: &Hierarchy, level: usize) -> Result<Self, HierarchyError> {
-        let (level, scheme) = (hierarchy.level(level), hierarchy.scheme());
         let options = hierarchy.cage().descriptor();
-        let tables = unsettled::tables(scheme, options, level.mesh(), level.tags(), None)?;
-        Ok(Limit { tables })
+        let known = unsettled::solve(hierarchy.scheme(), options, hierarchy.level(level), None, false)?;
+        Ok(Limit { tables: known.tables })
+    }
+
+    /// [`Limit::new`], and the tangents at the vertices.
+    ///
+    /// # Errors
+    /// As for [`Limit::new`].
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn with_tangents(
+        hierarchy: &Hierarchy,
+        level: usize,
+    ) -> Result<(Self, LimitTangents), HierarchyError> {
+        let options = hierarchy.cage().descriptor();
+        let known = unsettled::solve(hierarchy.scheme(), options, hierarchy.level(level), None, true)?;
+        Ok((Limit { tables: known.tables }, known.tangents.expect("asked for")))
     }
 
     /// `K0`, `(|V|, |E|)`: the way of each vertex to its limit, over oriented edges.

@@ -210,10 +210,12 @@ impl Outer<'_> {
     }
 }
 
-/// The corner of a face from which its surroundings can be told: all irregular vertices and sharp edges that
+/// The corner of the face of `corner` from which its surroundings can be told: all irregular vertices and sharp edges that
 /// the face touches are at this corner's vertex, but for creases from there along its two edges. `None` if there
-/// is no such corner, because features are not far enough apart.
-pub fn origin(mesh: &Mesh, tags: &Tags, is_plain: impl Fn(u32) -> bool, face: u32) -> Option<u32> {
+/// is no such corner, because features are not far enough apart; the first counter-clockwise from `corner` on if
+/// there are several.
+pub fn origin(mesh: &Mesh, tags: &Tags, is_plain: impl Fn(u32) -> bool, corner: u32) -> Option<u32> {
+    let face = mesh.corner_face(corner);
     let size = mesh.face_size(face);
     let straight = if size == 3 { 3 } else { 2 };
     let is_sharp = |c: u32| tags.edge_sharpness[mesh.corner_half_edge(c).edge() as usize] > 0.0;
@@ -226,7 +228,8 @@ pub fn origin(mesh: &Mesh, tags: &Tags, is_plain: impl Fn(u32) -> bool, face: u3
         let position = if before { 0 } else { straight - 1 };
         found == Configuration::new(Rule::Crease, false, straight, position)
     };
-    mesh.corners(face).find(|&v| {
+    let mut corners = std::iter::successors(Some(corner), |&c| Some(mesh.next_corner(c))).take(size);
+    corners.find(|&v| {
         let (a, b) = (mesh.next_corner(v), mesh.previous_corner(v));
         let far: Vec<u32> = mesh.corners(face).filter(|c| ![v, a, b].contains(c)).collect();
         let mut beyond = far.iter().copied().chain([a]);

@@ -85,6 +85,27 @@ fn fill(
     }
 }
 
+/// The grids of a quad of the bilinear scheme, over its vertices, its edges and itself: the B-splines of a grid
+/// that goes on linearly on all sides are linear.
+pub fn whitney() -> [Csr; 3] {
+    // Linear extension from the two middle layers, and repetition.
+    let extend = [[2.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 2.0]];
+    let at = |x: usize, y: usize| [0, 1, 3, 2][x + 2 * y];
+    let vertices = assemble((16, 4), |i, row| {
+        for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            row.add(at(x, y), extend[i % 4][x] * extend[i / 4][y]);
+        }
+    });
+    // The edges run round the face: the third and the fourth against the axes.
+    let edges = assemble((24, 4), |i, row| {
+        let layer = if i < 12 { extend[i / 3] } else { extend[(i - 12) % 4] };
+        let [near, far] = if i < 12 { [(0, 1.0), (2, -1.0)] } else { [(3, -1.0), (1, 1.0)] };
+        row.add(near.0, near.1 * layer[0]);
+        row.add(far.0, far.1 * layer[1]);
+    });
+    [vertices, edges, assemble((9, 1), |_, row| row.add(0, 1.0))]
+}
+
 /// The place of each vertex in the grid, the face being the middle cell.
 fn coordinates(cells: &Cells, c: Configuration) -> HashMap<u32, [usize; 2]> {
     // The spokes in steps from the one along s.

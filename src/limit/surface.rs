@@ -39,11 +39,11 @@ pub struct SurfacePoint {
 #[non_exhaustive]
 #[allow(missing_docs)] // the messages say what the fields are
 pub enum PointError {
-    #[error("there is no face {face}: faces are numbered from 0 to {}", .count - 1)]
+    #[error("there is no face {face}: faces are numbered from 0 to {}, correct the point", .count - 1)]
     NoFace { face: u32, count: usize },
-    #[error("face {face} has no corner {corner}: it has {size}, numbered from 0")]
+    #[error("face {face} has no corner {corner}: it has {size}, numbered from 0: correct the point")]
     NoCorner { face: u32, corner: u32, size: usize },
-    #[error("(s, t) = ({s}, {t}) is outside face {face}: {domain}")]
+    #[error("(s, t) = ({s}, {t}) is outside face {face}: {domain}, correct the point")]
     Outside { face: u32, s: f64, t: f64, domain: &'static str },
 }
 
@@ -108,6 +108,9 @@ impl LimitSurface {
         // One level parts the features of a face, but for those of a triangle with three sharp edges.
         loop {
             let hierarchy = Hierarchy::new(cage, scheme, levels)?;
+            if matches!(scheme, Scheme::Whitney | Scheme::Bilinear) {
+                return Self::whitney(hierarchy);
+            }
             let Some(origins) = origins(hierarchy.finest(), hierarchy.split_kind()) else {
                 levels += 1;
                 continue;
@@ -126,11 +129,25 @@ impl LimitSurface {
         }
     }
 
+    fn whitney(hierarchy: Hierarchy) -> Result<Self, SurfaceError> {
+        let mut tables = Tables::new(hierarchy.split_kind(), hierarchy.scheme());
+        let table = tables.number(Key::Whitney)? as u32;
+        let (mut patches, mut cells) = (Vec::new(), Vec::new());
+        let mesh = hierarchy.finest().mesh();
+        for face in 0..mesh.num_faces() as u32 {
+            patches.push(Patch { origin: 0, table, cells: cells.len() as u32 });
+            cells.extend(mesh.face_vertices(face));
+            cells.extend(mesh.face_half_edges(face).iter().map(|h| h.0));
+            cells.push(face);
+        }
+        Ok(LimitSurface { hierarchy, tables, patches, cells })
+    }
+
     /// `beside` says which faces are pulled at from beside them.
     fn prepare(
         hierarchy: Hierarchy,
         mut tables: Tables,
-        beside: impl Fn(usize) -> Option<Key>,
+        beside: impl Fn(usize) -> Option<(Key, u32)>,
     ) -> Result<Self, SurfaceError> {
         let finest = hierarchy.finest();
         let (mesh, tags) = (finest.mesh(), finest.tags());
@@ -138,9 +155,12 @@ impl LimitSurface {
         let mut patches = Vec::with_capacity(mesh.num_faces());
         let mut cells = Vec::new();
         for (face, &corner) in origins.iter().enumerate() {
+            let beside = beside(face);
+            let corner = beside.map_or(corner, |(_, start)| start);
             let (configuration, fan) = around_face(mesh, tags, corner);
             check(mesh, configuration, &fan)?;
-            let table = tables.number(beside(face).unwrap_or(Key::Face(configuration)))? as u32;
+            let key = beside.map_or(Key::Face(configuration), |(key, _)| key);
+            let table = tables.number(key)? as u32;
             let first = mesh.corners(face as u32).start;
             patches.push(Patch { origin: (corner - first) as u8, table, cells: cells.len() as u32 });
             let around = patch_cells(mesh, configuration, &fan);
@@ -259,6 +279,14 @@ impl LimitSurface {
         points.par_iter().map_init(|| [Vec::new(), Vec::new()], one).collect()
     }
 
+    /// Whether a point is on the surface.
+    ///
+    /// # Errors
+    /// If it is not, saying why.
+    pub fn check(&self, point: &SurfacePoint) -> Result<(), PointError> {
+        self.locate(point).map(|_| ())
+    }
+
     /// The face of the finest level that holds a point, and the frame of its patch there.
     fn locate(&self, point: &SurfacePoint) -> Result<(u32, Frame), PointError> {
         let SurfacePoint { face, corner, s, t } = *point;
@@ -374,22 +402,25 @@ fn origins(level: &Level, kind: SplitKind) -> Option<Vec<u32>> {
         return None;
     }
     let plain = plain_vertices(kind, mesh, tags);
-    let find = |face| origin(mesh, tags, |v| plain[v as usize], face);
+    let find = |face| origin(mesh, tags, |v| plain[v as usize], mesh.corners(face).start);
     (0..mesh.num_faces() as u32).into_par_iter().map(find).collect()
 }
 
-/// For each face of the finest level, whether an irregular vertex pulls at it from beside it; `origins` are those
-/// of the level above.
-fn beside(hierarchy: &Hierarchy, tables: &Tables, origins: &[u32]) -> Vec<Option<Key>> {
+/// For each face of the finest level, whether an irregular vertex pulls at it from beside it, and the corner that
+/// its surroundings are then told from; `origins` are those of the level above.
+fn beside(hierarchy: &Hierarchy, tables: &Tables, origins: &[u32]) -> Vec<Option<(Key, u32)>> {
     let level = hierarchy.num_levels();
     let (above, mesh) = (hierarchy.level(level - 1), hierarchy.finest().mesh());
+    let tags = hierarchy.finest().tags();
+    let plain = plain_vertices(hierarchy.split_kind(), mesh, tags);
     let split = hierarchy.refinement(level).split();
     let mut beside = vec![None; mesh.num_faces()];
     for &corner in origins {
         let (configuration, _) = around_face(above.mesh(), above.tags(), corner);
         for child in (1..4).filter(|_| tables.pulls(configuration)) {
             let corner = child_corner(split, above.mesh(), mesh, corner, child);
-            beside[mesh.corner_face(corner) as usize] = Some(Key::Beside(configuration, child));
+            let start = origin(mesh, tags, |v| plain[v as usize], corner).expect("features stay apart");
+            beside[mesh.corner_face(corner) as usize] = Some((Key::Beside(configuration, child), start));
         }
     }
     beside

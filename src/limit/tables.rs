@@ -49,8 +49,11 @@ pub enum Key {
     /// The face of a corner with this configuration.
     Face(Configuration),
     /// A child, not the first, of a face with this configuration, where [`Tables::pulls`]: its surroundings look
-    /// regular, but the irregular vertex beside it still pulls on a midpoint.
+    /// regular, but the irregular vertex beside it still pulls on a midpoint. They are told from the first corner
+    /// that can, beginning with the one where the child's frame starts.
     Beside(Configuration, usize),
+    /// A face of a Whitney scheme, whose cells are its own vertices, edges and itself.
+    Whitney,
 }
 
 /// The tables of the configurations that were asked for.
@@ -88,6 +91,14 @@ impl Tables {
         match key {
             Key::Face(configuration) => self.fill_face(number, configuration)?,
             Key::Beside(configuration, child) => self.fill_beside(number, configuration, child)?,
+            Key::Whitney => {
+                let (sizes, polynomial) = match self.kind {
+                    SplitKind::Quad => ([4, 4, 1], quad::whitney()),
+                    SplitKind::Triangle => ([3, 3, 1], triangle::whitney()),
+                };
+                self.list[number].sizes = sizes;
+                self.list[number].polynomial = Some(polynomial);
+            }
         }
         Ok(number)
     }
@@ -114,7 +125,7 @@ impl Tables {
         let (parent, mesh) = (hierarchy.level(LEVELS - 1).mesh(), hierarchy.level(LEVELS).mesh());
         let (corner, _) = model.patch(LEVELS - 1, c);
         let corner = child_corner(hierarchy.refinement(LEVELS).split(), parent, mesh, corner, child);
-        let (start, _, cells) = self.own_patch(hierarchy.level(LEVELS), mesh.corner_face(corner));
+        let (start, _, cells) = self.own_patch(hierarchy.level(LEVELS), corner);
         self.list[number].sizes = sizes(&cells);
         self.list[number].children = self.children(&model, LEVELS, start, &cells, None)?;
         Ok(())
@@ -132,11 +143,11 @@ impl Tables {
         modified && c.faces != regular
     }
 
-    /// Where the surroundings of a face of a model are told from, what they are, and its cells.
-    fn own_patch(&self, level: &Level, face: u32) -> (u32, Configuration, Cells) {
+    /// Where the surroundings of the face of a corner of a model are told from, what they are, and its cells.
+    fn own_patch(&self, level: &Level, corner: u32) -> (u32, Configuration, Cells) {
         let (mesh, tags) = (level.mesh(), level.tags());
         let plain = plain_vertices(self.kind, mesh, tags);
-        let start = origin(mesh, tags, |v| plain[v as usize], face).expect("one level parts all features");
+        let start = origin(mesh, tags, |v| plain[v as usize], corner).expect("one level parts all features");
         let (configuration, fan) = around_face(mesh, tags, start);
         (start, configuration, patch_cells(mesh, configuration, &fan))
     }
@@ -187,9 +198,8 @@ impl Tables {
         let mut children = Vec::with_capacity(4);
         for child in 0..4 {
             let corner = child_corner(split, parent, bottom.mesh(), corner, child);
-            let face = bottom.mesh().corner_face(corner);
-            let (start, configuration, cells) = self.own_patch(bottom, face);
-            let size = bottom.mesh().face_size(face) as u32;
+            let (start, configuration, cells) = self.own_patch(bottom, corner);
+            let size = bottom.mesh().face_size(bottom.mesh().corner_face(corner)) as u32;
             let turn = ((start + size - corner) % size) as usize;
             let to = cells.signed();
             let maps = [0, 1, 2].map(|k| block(steps[k], &from[k], &to[k]));

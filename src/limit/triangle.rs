@@ -44,6 +44,37 @@ pub fn polynomials(configuration: Configuration) -> Result<Arc<[Csr; 3]>, Hierar
     Ok(found)
 }
 
+/// The polynomials of a triangle of the Whitney scheme, over its vertices, its edges and itself: barycentric
+/// coordinates, (3.33) of the thesis and a constant, times powers of `u + v + w = 1`.
+pub fn whitney() -> [Csr; 3] {
+    let factorial = |n: usize| (1..=n).product::<usize>() as f64;
+    // The coefficient of u^i v^j w^k in (u + v + w)^(i + j + k).
+    let power = |e: [usize; 3]| factorial(e.iter().sum()) / e.iter().map(|&n| factorial(n)).product::<f64>();
+    // That of it in the coordinate of corner c times such a power.
+    let coordinate = |e: [usize; 3], c: usize| match e[c] {
+        0 => 0.0,
+        _ => {
+            let mut less = e;
+            less[c] -= 1;
+            power(less)
+        }
+    };
+    let slope = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]; // of the coordinates, by s and t
+    let quartic: Vec<_> = exponents(4).collect();
+    let vertices = assemble((15, 3), |m, row| {
+        (0..3).for_each(|c| row.add(c as u32, coordinate(quartic[m], c)));
+    });
+    let edges = assemble((30, 3), |m, row| {
+        for a in 0..3 {
+            let (b, e, k) = ((a + 1) % 3, quartic[m % 15], m / 15);
+            row.add(a as u32, coordinate(e, a) * slope[b][k] - coordinate(e, b) * slope[a][k]);
+        }
+    });
+    let cubic: Vec<_> = exponents(3).collect();
+    // The whole over the triangle's area of one half.
+    [vertices, edges, assemble((10, 1), |m, row| row.add(0, 2.0 * power(cubic[m])))]
+}
+
 /// A triangle of a refinement, in the parameters of the face: where its corner lies, and its size, negative if it
 /// is upside down.
 #[derive(Clone, Copy)]

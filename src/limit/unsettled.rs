@@ -4,7 +4,8 @@
 //! length, not with the area of the surface.
 
 use super::settled::Settled;
-use crate::hierarchy::{Hierarchy, HierarchyError};
+use super::tangents::{self, Collection, LimitTangents, Pulled};
+use crate::hierarchy::{Hierarchy, HierarchyError, Level};
 use crate::osd::{Rules, Tags};
 use crate::scheme::{FaceRows, Homotopy, Scheme};
 use crate::sparse::{Csr, Row, assemble, row_of};
@@ -33,14 +34,23 @@ pub struct Wanted {
     edges: Vec<bool>,
 }
 
-/// `K0` and `K1` of a level, or the wanted rows of them. `options` says how semi-sharp features decay.
-pub fn tables(
+/// What is known of the limit on a level.
+pub struct Known {
+    /// `K0` and `K1`.
+    pub tables: Homotopy,
+    /// The tangents at the vertices, if they were asked for.
+    pub tangents: Option<LimitTangents>,
+}
+
+/// The limit on a level, or the wanted rows of it. `options` says how semi-sharp features decay.
+pub fn solve(
     scheme: Scheme,
     options: &Descriptor,
-    mesh: &Mesh,
-    tags: &Tags,
+    level: &Level,
     wanted: Option<&Wanted>,
-) -> Result<Homotopy, HierarchyError> {
+    with_tangents: bool,
+) -> Result<Known, HierarchyError> {
+    let (mesh, tags) = (level.mesh(), level.tags());
     let (rules, rows) = (Rules::settled(tags), FaceRows::of(scheme));
     let settled = Settled::new(mesh, tags, &rules, scheme, rows.as_ref())?;
     let is_settled: Vec<bool> = (0..mesh.num_vertices() as u32).map(|v| settled.is_settled(v)).collect();
@@ -53,7 +63,7 @@ pub fn tables(
         edges: (0..mesh.num_edges()).map(|e| wants_edge(e) && !edge_is_settled(e)).collect(),
     };
     let piece = match open.vertices.contains(&true) || open.edges.contains(&true) {
-        true => Some(Piece::new(scheme, options, mesh, tags, &open)?),
+        true => Some(Piece::new(scheme, options, level, &open, with_tangents)?),
         false => None,
     };
     let k0 = assemble((mesh.num_vertices(), mesh.num_edges()), |v, row| match &piece {
@@ -66,7 +76,17 @@ pub fn tables(
         _ if wants_edge(e) => settled.k1(HalfEdge::new(e as u32, true), row),
         _ => {}
     });
-    Ok(Homotopy { h0: k0, h1: k1 })
+    let kind = scheme.split(&options.face_sizes)?;
+    let collection = Collection { kind, scheme, mesh, tags, rules: &rules };
+    let pulled = piece.as_ref().and_then(|piece| {
+        let tangents = piece.tangents.as_ref()?;
+        Some(Pulled { tangents, corner: &piece.corner, edges: &piece.edges })
+    });
+    let tangents = match with_tangents {
+        true => Some(collection.tangents(wants_vertex, |v| open.vertices[v], pulled)?),
+        false => None,
+    };
+    Ok(Known { tables: Homotopy { h0: k0, h1: k1 }, tangents })
 }
 
 /// The surroundings of the open cells, as a cage of their own, with the rows of the open cells.
@@ -74,11 +94,14 @@ struct Piece {
     /// For each vertex and edge of the whole its row in `k0` and `k1`.
     vertex: Vec<u32>,
     edge: Vec<u32>,
+    /// For each corner of the whole its corner in the piece, if it is there.
+    corner: Vec<u32>,
     /// For each edge of the piece the same one of the whole, and each face.
     edges: Vec<HalfEdge>,
     faces: Vec<u32>,
     k0: Csr,
     k1: Csr,
+    tangents: Option<LimitTangents>,
 }
 
 const OUTSIDE: u32 = u32::MAX;
@@ -87,10 +110,11 @@ impl Piece {
     fn new(
         scheme: Scheme,
         options: &Descriptor,
-        mesh: &Mesh,
-        tags: &Tags,
+        level: &Level,
         open: &Wanted,
+        with_tangents: bool,
     ) -> Result<Self, HierarchyError> {
+        let mesh = level.mesh();
         let faces = surroundings(mesh, open);
         let mut vertex = vec![OUTSIDE; mesh.num_vertices()];
         for &v in faces.iter().flat_map(|&f| mesh.face_vertices(f)) {
@@ -101,14 +125,16 @@ impl Piece {
         for (i, &v) in vertices.iter().enumerate() {
             vertex[v as usize] = i as u32;
         }
-        let cage = cage(options, mesh, tags, &faces, &vertices, &vertex);
+        let cage = cage(options, mesh, level.tags(), &faces, &vertices, &vertex);
         let hierarchy = Hierarchy::new(&cage, scheme, 1)?;
         let (parent, child) = (hierarchy.level(0).mesh(), hierarchy.level(1));
 
+        let mut corner = vec![OUTSIDE; mesh.num_corners()];
         let mut edge = vec![OUTSIDE; mesh.num_edges()];
         let mut edges = vec![HalfEdge::new(0, true); parent.num_edges()];
         let corners = faces.iter().flat_map(|&f| mesh.corners(f));
         for (here, there) in (0..parent.num_corners() as u32).zip(corners) {
+            corner[there as usize] = here;
             let (here, there) = (parent.corner_half_edge(here), mesh.corner_half_edge(there));
             edge[there.edge() as usize] = here.edge();
             edges[here.edge() as usize] = if here.sign() > 0.0 { there } else { there.twin() };
@@ -133,8 +159,15 @@ impl Piece {
         for i in (0..parent.num_edges()).filter(|&i| is_open_edge(i)) {
             halves(i as u32).iter().for_each(|&(half, _)| wanted.edges[half as usize] = true);
         }
-        let finer = tables(scheme, cage.descriptor(), child_mesh, child.tags(), Some(&wanted))?;
+        let finer = solve(scheme, cage.descriptor(), child, Some(&wanted), with_tangents)?;
+        let tangents = finer.tangents.as_ref().map(|finer| {
+            let below = |c| split.corner_at(parent, c);
+            tangents::pull_back(finer, parent, below, |edge, weight, row| {
+                refinement.add_s1_row(parent, child_mesh, edge, weight, row);
+            })
+        });
 
+        let finer = finer.tables;
         let Homotopy { h0, h1 } = refinement.homotopy();
         let k0 = assemble((parent.num_vertices(), parent.num_edges()), |i, row| {
             if is_open_vertex(i) {
@@ -155,7 +188,7 @@ impl Piece {
                 }
             }
         });
-        Ok(Piece { vertex, edge, edges, faces, k0, k1 })
+        Ok(Piece { vertex, edge, corner, edges, faces, k0, k1, tangents })
     }
 
     fn add_k0_row(&self, mesh: &Mesh, v: usize, row: &mut Row) {

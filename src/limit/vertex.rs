@@ -34,19 +34,22 @@ pub struct VertexTable {
     /// `phi_1` and `phi_2`, turning counter-clockwise; `None` where there is no tangent plane, at a sharp vertex
     /// without sharp edges.
     phi: Option<[Vec<f64>; 2]>,
+    /// What `phi_i` takes less of an edge where modified Loop's `eps` at its end pulls on its midpoint: the weight
+    /// of the midpoint in `t_i` over `lambda_i`, on smooth spokes.
+    pull: [Vec<f64>; 2],
     /// The vertices of each edge, as numbers in the fan.
     ends: Vec<[usize; 2]>,
 }
 
 impl VertexTable {
-    /// The number of edges.
-    pub fn num_edges(&self) -> usize {
-        self.ends.len()
-    }
-
     /// `phi_1` and `phi_2`.
     pub fn covectors(&self) -> Option<&[Vec<f64>; 2]> {
         self.phi.as_ref()
+    }
+
+    /// By how much an `eps` at the end of each edge lessens its weight in `phi_1` and `phi_2`.
+    pub fn pull(&self) -> &[Vec<f64>; 2] {
+        &self.pull
     }
 
     /// The values of a 1-form along the two tangents, from its values on the edges; NaN where there are none.
@@ -98,7 +101,7 @@ pub fn table(
         (Rule::Corner, false) => Some([0, n - 1].map(|edge| {
             let mut unit = vec![0.0; n];
             unit[edge] = 1.0;
-            unit
+            (unit, vec![0.0; n])
         })),
         _ => {
             let operators = hierarchy.operators(LEVELS);
@@ -110,7 +113,11 @@ pub fn table(
             fan.covectors(masks, &k0)
         }
     };
-    Ok(VertexTable { k0, phi, ends })
+    let (phi, pull) = phi.map_or((None, Default::default()), |pairs| {
+        let [(a, pull_a), (b, pull_b)] = pairs;
+        (Some([a, b]), [pull_a, pull_b])
+    });
+    Ok(VertexTable { k0, phi, pull, ends })
 }
 
 /// The vertices of the edges of [`fan_cells`].
@@ -159,16 +166,20 @@ struct Fan<'a> {
 }
 
 impl Fan<'_> {
-    fn covectors(&self, masks: [RowDVector<f64>; 2], k0: &[f64]) -> Option<[Vec<f64>; 2]> {
+    fn covectors(&self, masks: [RowDVector<f64>; 2], k0: &[f64]) -> Option<[(Vec<f64>, Vec<f64>); 2]> {
         let is_tangent = |t: &RowDVector<f64>| {
             let scale = t.norm();
             scale > 0.0 && (t * &self.blocks[0] - t * self.eigenvalue(t)).norm() <= 1e-12 * scale
         };
         let tangents = match masks.iter().all(is_tangent) {
             true => masks,
-            false => [self.dominant(true, k0)?, self.dominant(false, k0)?],
+            // Round a circle the even one points along the first spoke; in a sector the odd one runs along the crease.
+            false => {
+                let even_first = self.configuration.cyclic;
+                [self.dominant(even_first, k0)?, self.dominant(!even_first, k0)?]
+            }
         };
-        Some(tangents.map(|t| self.covector(&t)))
+        Some(tangents.map(|t| (self.covector(&t), self.pull(&t))))
     }
 
     fn eigenvalue(&self, t: &RowDVector<f64>) -> f64 {
@@ -189,6 +200,18 @@ impl Fan<'_> {
         (0..self.ends.len())
             .map(|e| lift[e] + self.d1(e).map(|(f, sign)| sign * psi[f]).sum::<f64>())
             .collect()
+    }
+
+    /// The weights of the midpoints of smooth spokes in `t`, over its eigenvalue.
+    fn pull(&self, t: &RowDVector<f64>) -> Vec<f64> {
+        let lambda = self.eigenvalue(t);
+        let (last, begins_sharp) = (self.ends.len() - 1, self.configuration.rule != Rule::Smooth);
+        let is_sharp = |e: usize| (begins_sharp && e == 0) || (!self.configuration.cyclic && e == last);
+        let pull = |(e, ends): (usize, &[usize; 2])| match ends[0] == 0 && !is_sharp(e) {
+            true => t[ends[1]] / lambda,
+            false => 0.0,
+        };
+        self.ends.iter().enumerate().map(pull).collect()
     }
 
     fn edges_per_face(&self) -> usize {

@@ -80,6 +80,7 @@ pub fn eps(mesh: &Mesh, rules: &Rules, h: HalfEdge) -> f64 {
     if total > 0.0 { sum / total } else { 0.0 }
 }
 
+/// `eps_n` of a smooth vertex of valence `n`.
 pub fn smooth_eps(n: usize) -> f64 {
     0.125 - (TAU / n as f64).cos() / 4.0
 }

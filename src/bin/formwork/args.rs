@@ -17,6 +17,10 @@ Examples:
     formwork subdivide assets/creased_box.obj \\
         --field assets/creased_box.field.json --levels 3 -o box.glb
 
+  The limit surface itself, with exact normals and tangent vectors:
+    formwork limit assets/creased_box.obj \\
+        --field assets/creased_box.field.json --level 2 -o limit.glb
+
   Measure that d S = S d, against OpenSubdiv's own weights:
     formwork validate assets/creased_box.obj --levels 3
 
@@ -38,14 +42,68 @@ What is written, by the extension of -o:
   .json  everything: positions, polygons, edges, forms, a vector for each face
   .obj   the polygons; OBJ has no place for forms, so they go to a second file,
          X.fields.json beside X.obj, in the format above
+With --limit the vertices lie on the limit surface, and normals, vectors,
+circulations and fluxes are those of the limit: see formwork limit --help.
 Faces that are holes are left out.
 
 Examples:
   formwork subdivide assets/creased_box.obj \\
       --field assets/creased_box.field.json -o box.glb
+  formwork subdivide assets/creased_box.obj --limit \\
+      --field assets/creased_box.field.json -o box.glb
   formwork subdivide assets/creased_box.obj \\
       --field assets/creased_box.field.json --levels 2 -o box.obj
   formwork subdivide assets/open_polygons.obj --boundary none -o open.json";
+
+const LIMIT_HELP: &str = "\
+Nothing is approximated: every vertex of the refined mesh is moved to where
+refining for ever would take it, and every form gets its limit there.
+  positions       the vertices on the limit surface
+  normals         exact unit normals
+  0-form          limit values at the vertices
+  1-form          limit circulations along the limits of the edges, and its
+                  tangent vectors at the vertices; at a crease every face corner
+                  has the vector of its own side, and the vertex their mean
+  2-form          integrals over the limits of the faces
+Vectors are in the units of the 1-form's values per unit of length. Level 0 is
+the cage's own vertices, edges and faces. The field file is that of subdivide.
+
+What is written, by the extension of -o:
+  .npz    arrays for NumPy: edges, face_sizes, face_vertices, positions, normals,
+          values, circulations, fluxes, vertex_vectors, corner_vectors
+  .json   the same as JSON
+  .glb    triangles with exact normals, _FORM0, _FORM1 and arrows
+  .obj    positions and normals; the forms beside it in X.fields.json
+
+Examples:
+  formwork limit assets/creased_box.obj --level 2 -o limit.obj
+  formwork limit assets/creased_box.obj --level 0 \\
+      --field assets/creased_box.field.json -o limit.json
+  formwork limit assets/gem.obj --scheme modified-loop --level 3 -o gem.npz";
+
+const EVALUATE_HELP: &str = "\
+The points file is JSON. Indices start at 0:
+  {\"points\": [[face, s, t], [face, corner, s, t], ...]}
+On a quad with corners v, a, q, b the point is at s from v to a and t from v
+to b, both from 0 to 1; on a triangle v, a, b of Loop's schemes at 1 - s - t, s, t.
+v is the face's first vertex, or the corner that the entry names. Polygons with
+more or fewer corners than four, split into quads, need the corner: (1, 1) is
+then the centre of the polygon, (1, 0) the midpoint of the edge that leaves.
+
+With --per-face K, K x K points in every face (in every corner of a polygon; in
+a triangle the centres of K x K triangles) instead.
+
+Every point gets: position, tangents (derivatives of the position by s and t),
+and of the forms in --field: form0 (value), form1 (components along s and t),
+form1_derivatives (of component i by parameter k), vector (the tangent vector),
+curl (component of d form1), form2 (density per ds dt). At an irregular vertex
+tangents and components are those along its limit tangents, and what does not
+exist there is null in JSON, NaN in NumPy.
+
+Examples:
+  formwork evaluate assets/creased_box.obj --per-face 3 \\
+      --field assets/creased_box.field.json -o points.json
+  formwork evaluate assets/gem.obj --per-face 4 -o points.npz";
 
 const OPERATORS_HELP: &str = "\
 For each level l the archive has l{l}/edges (E, 2), l{l}/face_sizes,
@@ -69,11 +127,13 @@ Examples:
 const VALIDATE_HELP: &str = "\
 For each level: the largest entry of d0 S0 - S1 d0, with OpenSubdiv's own S0,
 and of d1 S1 - S2 d1; how far the column sums of S2 are from 1; the largest
-difference between our S0 and OpenSubdiv's. Then, for a random 0-form, its
-refined differential summed along each control edge, against the difference of
-OpenSubdiv's refined values (equal to rounding) and of its limit values
-(approached by the rate shown: 2 on regular meshes, less next to semi-sharp
-creases, darts and n-gons, where its limit values are not exact). Schemes that
+difference between our S0 and OpenSubdiv's. For the limits L0, L1, L2 of each
+level: L1 d0 - d0 L0, L2 d1 - d1 L1, R L' S - L with R summing children into
+parents, and on the last level the difference of L0 to OpenSubdiv's limit
+masks where those are exact. Then, for a random 0-form, its refined
+differential summed along each control edge, against the difference of
+OpenSubdiv's refined values (equal to rounding) and the limit circulation
+(approached by the rate shown, 2 on regular meshes). Schemes that
 OpenSubdiv does not have are compared with their own S0.
 
 Examples:
@@ -105,6 +165,12 @@ pub enum Command {
     /// Refine a cage, with forms on it, and write the result
     #[command(after_help = SUBDIVIDE_HELP)]
     Subdivide(Subdivide),
+    /// Put a refined cage, with forms on it, on its limit surface: exact positions, normals, vectors
+    #[command(after_help = LIMIT_HELP)]
+    Limit(Limit),
+    /// Evaluate the limit surface and the forms on it at points
+    #[command(after_help = EVALUATE_HELP)]
+    Evaluate(Evaluate),
     /// Write the subdivision operators and exterior derivatives as sparse matrices, for NumPy and SciPy
     #[command(after_help = OPERATORS_HELP)]
     Operators(Operators),
@@ -118,6 +184,8 @@ impl Command {
         match self {
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
+            Command::Limit(args) => &args.common,
+            Command::Evaluate(args) => &args.common,
             Command::Operators(args) => &args.common,
             Command::Validate(args) => &args.common,
         }
@@ -138,7 +206,43 @@ pub struct Subdivide {
     /// How many times to refine; 0 writes the cage itself
     #[arg(long, short, value_name = "N", default_value_t = 3, value_parser = value_parser!(u8).range(0..=15))]
     pub levels: u8,
+    /// Put the result on the limit surface
+    #[arg(long)]
+    pub limit: bool,
     /// The file to write: .glb, .json or .obj
+    #[arg(long, short, value_name = "OUT")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct Limit {
+    /// Forms on the control cage, as JSON
+    #[arg(long, value_name = "FIELD.json")]
+    pub field: Option<PathBuf>,
+    /// How many times to refine first; 0 takes the vertices of the cage
+    #[arg(long, short, value_name = "N", default_value_t = 2, value_parser = value_parser!(u8).range(0..=15))]
+    pub level: u8,
+    /// The file to write: .npz, .json, .glb or .obj
+    #[arg(long, short, value_name = "OUT")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct Evaluate {
+    /// Forms on the control cage, as JSON
+    #[arg(long, value_name = "FIELD.json")]
+    pub field: Option<PathBuf>,
+    /// The points, as JSON
+    #[arg(long, value_name = "P.json", conflicts_with = "per_face", required_unless_present = "per_face")]
+    pub points: Option<PathBuf>,
+    /// K x K points in every face
+    #[arg(long, value_name = "K", value_parser = value_parser!(u32).range(1..=1000))]
+    pub per_face: Option<u32>,
+    /// The file to write: .json or .npz
     #[arg(long, short, value_name = "OUT")]
     pub output: PathBuf,
     #[command(flatten)]

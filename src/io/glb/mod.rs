@@ -2,8 +2,9 @@
 //!
 //! - Node `surface`: the faces as triangles (polygons as fans) with `POSITION`, `NORMAL` and, where there
 //!   are such forms, the vertex attributes `_FORM0` (SCALAR, the 0-form) and `_FORM1` (VEC3, the tangent
-//!   vector of the 1-form, the mean over the faces round each vertex).
-//! - Node `form1 arrows`, where the 1-form is not zero: lines, an arrow at the centre of each face. The
+//!   vector of the 1-form, the mean over the faces round each vertex, or the exact one on a limit surface).
+//! - Node `form1 arrows`, where the 1-form is not zero: lines, an arrow at the centre of each face, or at each
+//!   vertex of a limit surface. The
 //!   longest is 0.9 times the mean edge length, the others in proportion.
 //!
 //! Faces that are holes are left out. glTF stores 32-bit floats, and has no attributes of faces: a 2-form is
@@ -37,7 +38,10 @@ pub fn write(path: &Path, surface: &Surface) -> Result<(), IoError> {
     let mut attributes = vec![
         (Semantic::Positions, glb.points(&singles(positions.values()).ok_or_else(too_large)?)),
         (Semantic::Normals, {
-            let normals = field::vertex_normals(mesh, positions);
+            let normals = match surface.at_vertices() {
+                Some(at) => at.normals.clone(),
+                None => field::vertex_normals(mesh, positions),
+            };
             glb.vectors(&singles(&normals).ok_or_else(too_large)?)
         }),
     ];
@@ -48,8 +52,9 @@ pub fn write(path: &Path, surface: &Surface) -> Result<(), IoError> {
         }
         attributes.push((Semantic::Extras("FORM0".into()), glb.scalars(&values)));
     }
-    if let Some(vectors) = surface.face_vectors() {
-        let vectors = field::vertex_vectors(mesh, vectors);
+    let limit_vectors = surface.at_vertices().and_then(|at| at.vectors.as_ref()).map(|[vectors, _]| vectors);
+    let mean = || surface.face_vectors().map(|vectors| field::vertex_vectors(mesh, vectors));
+    if let Some(vectors) = limit_vectors.cloned().or_else(mean) {
         attributes
             .push((Semantic::Extras("FORM1".into()), glb.vectors(&singles(&vectors).ok_or_else(too_large)?)));
     }
@@ -63,14 +68,12 @@ pub fn write(path: &Path, surface: &Surface) -> Result<(), IoError> {
     let indices = glb.indices(&triangles);
     glb.node("surface", attributes, indices, Mode::Triangles, material([0.8, 0.8, 0.78, 1.0]));
 
-    if let Some(vectors) = surface.face_vectors() {
-        let arrows = arrows::arrows(surface, vectors);
-        if !arrows.indices.is_empty() {
-            let points = glb.points(&singles(&arrows.points).ok_or_else(too_large)?);
-            let indices = glb.indices(&arrows.indices);
-            let attributes = vec![(Semantic::Positions, points)];
-            glb.node("form1 arrows", attributes, indices, Mode::Lines, material([0.05, 0.2, 0.6, 1.0]));
-        }
+    let arrows = arrows::arrows(surface);
+    if !arrows.indices.is_empty() {
+        let points = glb.points(&singles(&arrows.points).ok_or_else(too_large)?);
+        let indices = glb.indices(&arrows.indices);
+        let attributes = vec![(Semantic::Positions, points)];
+        glb.node("form1 arrows", attributes, indices, Mode::Lines, material([0.05, 0.2, 0.6, 1.0]));
     }
     let too_long = || limit("the mesh exceeds the 4 GiB of binary glTF: refine less or write .json");
     let glb = glb.finish().ok_or_else(too_long)?;

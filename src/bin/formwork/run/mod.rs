@@ -1,5 +1,6 @@
 //! What the commands do, one module each. Every one returns an [`Outcome`]; `main` prints it.
 
+pub mod evaluate;
 pub mod inspect;
 pub mod operators;
 pub mod subdivide;
