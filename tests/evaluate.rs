@@ -19,24 +19,46 @@ const INTEGRAL: f64 = 1e-10;
 const GAUSS: [(f64, f64); 3] =
     [(0.112_701_665_379_258_31, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
 
-/// Panels of `[0, 1]` that shrink towards both ends, where irregular vertices are, to 2^-depth: between them the
-/// forms are polynomials.
-fn panels(depth: i32) -> Vec<[f64; 2]> {
-    let mut ends = vec![0.0];
-    for i in (0..depth).rev() {
-        let end = 0.5f64.powi(i + 1);
-        ends.extend([1.0, 1.25, 1.5, 1.75].map(|x| x * end));
+/// The integral of `value` from 0 to `end`. It is taken over panels that shrink towards 0, where an irregular
+/// vertex may be and between which the forms are polynomials; what is left below the last is extrapolated, the
+/// integrals over the panels being a sum of geometric sequences.
+fn integral_from_corner(end: f64, value: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
+    let (mut sum, mut sums) = (0.0, Vec::new());
+    let mut top = end;
+    for _ in 0..38 {
+        let bottom = top / 2.0;
+        for i in 0..4 {
+            let (from, length) = (bottom + (top - bottom) * f64::from(i) / 4.0, (top - bottom) / 4.0);
+            let at = GAUSS.map(|(x, _)| from + x * length);
+            let values = value(&at);
+            sum += values.iter().zip(GAUSS).map(|(value, (_, weight))| value * weight * length).sum::<f64>();
+        }
+        sums.push(sum);
+        top = bottom;
     }
-    ends.retain(|&x| x < 0.5);
-    let mirrored: Vec<f64> = ends.iter().rev().map(|x| 1.0 - x).collect();
-    ends.push(0.5);
-    ends.extend(mirrored);
-    ends.windows(2).map(|w| [w[0], w[1]]).collect()
+    extrapolated(&sums[sums.len() - 9..])
 }
 
-fn quadrature(depth: i32) -> Vec<(f64, f64)> {
-    let on = |[a, b]: [f64; 2]| GAUSS.map(|(x, weight)| (a + (b - a) * x, weight * (b - a)));
-    panels(depth).into_iter().flat_map(on).collect()
+/// Wynn's epsilon algorithm: exact for a limit plus few geometric sequences.
+fn extrapolated(sums: &[f64]) -> f64 {
+    let (mut before, mut now) = (vec![0.0; sums.len() + 1], sums.to_vec());
+    let mut best = now[now.len() - 1];
+    while now.len() > 1 {
+        let next: Vec<f64> = (0..now.len() - 1)
+            .map(|i| {
+                let difference = now[i + 1] - now[i];
+                if difference.abs() < 1e-17 { f64::NAN } else { before[i + 1] + 1.0 / difference }
+            })
+            .collect();
+        if next.iter().any(|x| x.is_nan()) {
+            break;
+        }
+        (before, now) = (now, next);
+        if (sums.len() - now.len()).is_multiple_of(2) {
+            best = now[now.len() - 1];
+        }
+    }
+    best
 }
 
 /// Every kind of surroundings: closed and open, smooth vertices of valence 3 to 12, creases, corners, darts,
@@ -89,6 +111,8 @@ fn zoo() -> Vec<(String, Descriptor, Scheme)> {
 
 struct Case {
     name: String,
+    /// Whether a scheme's own rule at boundaries and creases leaves no polynomials and no derivatives there.
+    is_rough: bool,
     surface: LimitSurface,
 }
 
@@ -96,7 +120,8 @@ impl Case {
     fn all() -> impl Iterator<Item = Case> {
         zoo().into_iter().map(|(name, descriptor, scheme)| {
             let surface = LimitSurface::new(&Cage::new(descriptor).unwrap(), scheme);
-            Case { surface: surface.unwrap_or_else(|error| panic!("{name}: {error}")), name }
+            let is_rough = matches!(scheme, Scheme::Loop(_, BoundaryRule::Thesis | BoundaryRule::Dct));
+            Case { surface: surface.unwrap_or_else(|error| panic!("{name}: {error}")), name, is_rough }
         })
     }
 
@@ -124,7 +149,8 @@ impl Case {
                 numbers.chunks(2).enumerate().map(move |(i, pair)| {
                     let near = if i < 3 { 0.5f64.powi(7 * i as i32) } else { 1.0 };
                     let [s, t] = [pair[0], pair[1]].map(|x| near * x.abs());
-                    SurfacePoint { face, corner: i as u32 % size, s, t: if i == 5 { 0.0 } else { t } }
+                    let on_edge = i == 5 && !self.is_rough;
+                    SurfacePoint { face, corner: i as u32 % size, s, t: if on_edge { 0.0 } else { t } }
                 })
             })
             .collect();
@@ -139,34 +165,30 @@ impl Case {
 
 #[test]
 fn circulations_along_edges_are_l1() {
-    let rule = quadrature(34);
     let mut worst = 0.0f64;
     for case in Case::all() {
         let mesh = case.mesh();
         let form = Cochain::<1>::new(random(mesh.num_edges(), 1));
         let expected = Limit::new(case.surface.hierarchy(), 0).unwrap().apply(mesh, &form);
         let refined = case.surface.refine(&form);
-        let along = |face, corner, end: f64| -> f64 {
-            let at = |&(x, _): &(f64, f64)| SurfacePoint { face, corner, s: x, t: end };
-            let points: Vec<_> = rule.iter().map(at).collect();
-            let jets = case.surface.evaluate_1(&refined, &points).unwrap();
-            jets.iter().zip(&rule).map(|(jet, (_, weight))| jet[0].value * weight).sum()
-        };
-        let backwards = |face, corner| -> f64 {
-            let at = |&(x, _): &(f64, f64)| SurfacePoint { face, corner, s: 0.0, t: x };
-            let points: Vec<_> = rule.iter().map(at).collect();
-            let jets = case.surface.evaluate_1(&refined, &points).unwrap();
-            jets.iter().zip(&rule).map(|(jet, (_, weight))| jet[1].value * weight).sum()
+        // From a corner along one of its two edges, to the middle of the edge.
+        let half = |face: u32, corner: u32, axis: usize| {
+            let end = if case.is_polygon(face) { 1.0 } else { 0.5 };
+            integral_from_corner(end, |at| {
+                let point = |&x: &f64| match axis {
+                    0 => SurfacePoint { face, corner, s: x, t: 0.0 },
+                    _ => SurfacePoint { face, corner, s: 0.0, t: x },
+                };
+                let points: Vec<_> = at.iter().map(point).collect();
+                let jets = case.surface.evaluate_1(&refined, &points).unwrap();
+                jets.iter().map(|jet| jet[axis].value).collect()
+            })
         };
         for face in 0..mesh.num_faces() as u32 {
             let size = mesh.face_size(face) as u32;
             for (corner, &h) in mesh.face_half_edges(face).iter().enumerate() {
                 let corner = corner as u32;
-                let sum = match case.is_polygon(face) {
-                    // From the corner to the midpoint, then from there to the next corner.
-                    true => along(face, corner, 0.0) - backwards(face, (corner + 1) % size),
-                    false => along(face, corner, 0.0),
-                };
+                let sum = half(face, corner, 0) - half(face, (corner + 1) % size, 1);
                 let deviation = (sum - expected.along(h)).abs();
                 assert!(deviation <= INTEGRAL, "{}, face {face}, corner {corner}: {deviation:e}", case.name);
                 worst = worst.max(deviation);
@@ -176,39 +198,72 @@ fn circulations_along_edges_are_l1() {
     println!("circulations of evaluated 1-forms: worst {worst:.1e}");
 }
 
+/// The integral of a 2-form over a piece of a face: a square or triangle at `origin`, of side `size`, upside down if
+/// that is negative. Pieces at the corners of the face are cut again and again, the others once more: their
+/// parts are polynomials.
+fn integral(case: &Case, form: &Cochain<2>, at: (u32, u32), origin: [f64; 2], size: f64, depth: u32) -> f64 {
+    let ([s, t], h) = (origin, size / 2.0);
+    let (children, kind) = match case.kind() {
+        SplitKind::Quad => {
+            ([([s, t], h), ([s + h, t], h), ([s + h, t + h], h), ([s, t + h], h)], SplitKind::Quad)
+        }
+        SplitKind::Triangle => {
+            ([([s, t], h), ([s + h, t], h), ([s, t + h], h), ([s + h, t + h], -h)], SplitKind::Triangle)
+        }
+    };
+    let corners: &[[f64; 2]] = match kind {
+        SplitKind::Quad => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        SplitKind::Triangle => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+    };
+    let touches = |origin: [f64; 2], size: f64| {
+        size > 0.0
+            && corners.iter().any(|c| {
+                let place = [c[0] - origin[0], c[1] - origin[1]];
+                corners.iter().any(|c| place == [c[0] * size, c[1] * size])
+            })
+    };
+    let mut sum = 0.0;
+    for (origin, size) in children {
+        if touches(origin, size) && depth < 18 {
+            sum += integral(case, form, at, origin, size, depth + 1);
+            continue;
+        }
+        let parts = match kind {
+            SplitKind::Quad => [[0.0, 0.0, 0.5], [0.5, 0.0, 0.5], [0.5, 0.5, 0.5], [0.0, 0.5, 0.5]],
+            SplitKind::Triangle => [[0.0, 0.0, 0.5], [0.5, 0.0, 0.5], [0.0, 0.5, 0.5], [0.5, 0.5, -0.5]],
+        };
+        for [x, y, part] in parts {
+            let (origin, size) = ([origin[0] + size * x, origin[1] + size * y], size * part);
+            let (mut points, mut weights) = (Vec::new(), Vec::new());
+            for (x, wx) in GAUSS {
+                for (y, wy) in GAUSS {
+                    let fold = if kind == SplitKind::Triangle { 1.0 - y } else { 1.0 };
+                    let (s, t) = (origin[0] + size * x * fold, origin[1] + size * y);
+                    points.push(SurfacePoint { face: at.0, corner: at.1, s, t });
+                    weights.push(wx * wy * fold * size * size);
+                }
+            }
+            let densities = case.surface.evaluate_2(form, &points).unwrap();
+            sum += densities.iter().zip(&weights).map(|(density, weight)| density * weight).sum::<f64>();
+        }
+    }
+    sum
+}
+
 #[test]
 fn integrals_over_faces_are_l2() {
-    let rule = quadrature(12);
     let mut worst = 0.0f64;
-    for case in Case::all() {
+    // Thesis' and Dct's rules have no polynomials along boundaries.
+    for case in Case::all().filter(|case| !case.is_rough) {
         let mesh = case.mesh();
         let form = Cochain::<2>::new(random(mesh.num_faces(), 2));
         let expected = Limit::new(case.surface.hierarchy(), 0).unwrap().apply(mesh, &form);
         let refined = case.surface.refine(&form);
         for face in 0..mesh.num_faces().min(6) as u32 {
             let corners = if case.is_polygon(face) { mesh.face_size(face) as u32 } else { 1 };
-            let (mut points, mut weights) = (Vec::new(), Vec::new());
-            for corner in 0..corners {
-                for &(x, wx) in &rule {
-                    for &(y, wy) in &rule {
-                        match case.kind() {
-                            SplitKind::Quad => {
-                                points.push(SurfacePoint { face, corner, s: x, t: y });
-                                weights.push(wx * wy);
-                            }
-                            SplitKind::Triangle => {
-                                points.push(SurfacePoint { face, corner, s: x * (1.0 - y), t: y });
-                                weights.push(wx * wy * (1.0 - y));
-                            }
-                        }
-                    }
-                }
-            }
-            let densities = case.surface.evaluate_2(&refined, &points).unwrap();
-            let sum: f64 = densities.iter().zip(&weights).map(|(density, weight)| density * weight).sum();
-            let deviation = (sum - expected[face as usize]).abs();
-            // The panels of a triangle cross the edges of its polynomials, but for a fine grading.
-            assert!(deviation <= 1e-6, "{}, face {face}: {deviation:e}", case.name);
+            let over = |corner| integral(&case, &refined, (face, corner), [0.0, 0.0], 1.0, 0);
+            let deviation = ((0..corners).map(over).sum::<f64>() - expected[face as usize]).abs();
+            assert!(deviation <= INTEGRAL, "{}, face {face}: {deviation:e}", case.name);
             worst = worst.max(deviation);
         }
     }
@@ -270,7 +325,7 @@ fn neighbours_agree_on_their_edge() {
                 let [p, q] = surface.evaluate_1(&c, &points).unwrap()[..] else { unreachable!() };
                 assert!((a.value - b.value).abs() <= 1e-12, "{} at {points:?}", case.name);
                 let along = (p[0].value + q[0].value).abs() / p[0].value.abs().max(1.0);
-                assert!(along <= 1e-11, "{} at {points:?}: {along:e}", case.name);
+                assert!(along <= 1e-10, "{} at {points:?}: {along:e}", case.name);
             }
         }
     }
