@@ -90,7 +90,7 @@ fn compare(name: &str, descriptor: Descriptor, scheme: Scheme, irregular: bool) 
     let one_each = vec![[0.3, 0.4]; faces.len()];
     let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
     let (one, two) = (pool(1), pool(2));
-    let vectors = || drop(black_box(vectors(&surface, &x, &form, &points)));
+    let vectors = || drop(black_box(surface.evaluate_vectors(&x, &form, &points).unwrap()));
     let jets = || drop(black_box(surface.evaluate_0(&x, &points).unwrap()));
 
     let [ours, ours_jets, ours_2, ours_jets_2, theirs, theirs_jets, set_up, set_up_jets] = paired([
@@ -126,24 +126,4 @@ fn compare(name: &str, descriptor: Descriptor, scheme: Scheme, irregular: bool) 
     line("formwork: the same and the vector of a 1-form", per(ours, POINTS));
     line("formwork: position and derivatives, two threads", per(ours_jets_2, POINTS));
     line("formwork: the same and the vector, two threads", per(ours_2, POINTS));
-}
-
-fn vectors(
-    surface: &LimitSurface,
-    x: &Cochain<0, Vector3<f64>>,
-    form: &Cochain<1>,
-    points: &[SurfacePoint],
-) -> Vec<Vector3<f64>> {
-    let jets = surface.evaluate_0(x, points).unwrap();
-    let forms = surface.evaluate_1(form, points).unwrap();
-    jets.iter()
-        .zip(&forms)
-        .map(|(jet, form)| {
-            let [a, b] = jet.derivatives;
-            let [w, z] = [form[0].value, form[1].value];
-            let (e, f, g) = (a.dot(&a), a.dot(&b), b.dot(&b));
-            let det = e * g - f * f;
-            a * ((g * w - f * z) / det) + b * ((e * z - f * w) / det)
-        })
-        .collect()
 }

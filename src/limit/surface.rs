@@ -1,51 +1,24 @@
 //! Evaluation at points of the limit surface.
 
+mod point;
+mod walk;
+
+pub use point::{PointError, SurfacePoint};
+
+use nalgebra::Vector3;
 use rayon::prelude::*;
+use walk::{Found, Walk};
 
 use super::frame::{Frame, child_corner};
 use super::neighbourhood::{Configuration, around_face, origin, patch_cells};
 use super::patch::{self, Jet};
-use super::tables::{Key, Table, Tables, plain_vertices};
+use super::tables::{Key, Tables, plain_vertices};
 use super::unsettled;
-use super::vertex::VertexTable;
 use crate::cochain::{Cochain, Value};
 use crate::hierarchy::{Hierarchy, HierarchyError, Level};
 use crate::osd::Rule;
 use crate::scheme::Scheme;
-use crate::sparse::{Csr, row_of};
 use crate::topology::{Cage, Mesh, SplitKind};
-
-/// A point of a face of the control cage.
-///
-/// On a quad (every face, for a bilinear or Catmull-Clark scheme, that has four corners) with corners `v, a, q,
-/// b`, counter-clockwise from `corner`, it is at `s` from `v` towards `a` and `t` from `v` towards `b`, both from
-/// 0 to 1. On a triangle of Loop's schemes it has barycentric coordinates `1 - s - t`, `s`, `t` at `v, a, b`. A
-/// polygon that is split into quads has a unit square at each of its corners: `s` runs along the edge that
-/// leaves the corner up to its midpoint, `t` along the edge that reaches it, and (1, 1) is the centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfacePoint {
-    /// The face.
-    pub face: u32,
-    /// The corner of the face, from 0, that `s` and `t` start from.
-    pub corner: u32,
-    /// The first parameter.
-    pub s: f64,
-    /// The second parameter.
-    pub t: f64,
-}
-
-/// What is wrong with a point.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-#[allow(missing_docs)] // the messages say what the fields are
-pub enum PointError {
-    #[error("there is no face {face}: faces are numbered from 0 to {}", .count - 1)]
-    NoFace { face: u32, count: usize },
-    #[error("face {face} has no corner {corner}: it has {size}, numbered from 0")]
-    NoCorner { face: u32, corner: u32, size: usize },
-    #[error("(s, t) = ({s}, {t}) is outside face {face}: {domain}")]
-    Outside { face: u32, s: f64, t: f64, domain: &'static str },
-}
 
 /// Why a surface cannot be evaluated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -74,14 +47,6 @@ pub struct LimitSurface {
     cells: Vec<u32>,
 }
 
-/// What the limit is at a point.
-enum Found<'a> {
-    /// A polynomial, the point in its frame.
-    Patch(Frame),
-    /// An irregular vertex.
-    Vertex(&'a VertexTable),
-}
-
 /// A face of the finest level.
 #[derive(Clone, Copy)]
 struct Patch {
@@ -93,8 +58,20 @@ struct Patch {
     cells: u32,
 }
 
-/// Where evaluation gives up approaching an irregular vertex: within 1e-13 of it in the parameters.
-const MAX_DEPTH: usize = 44;
+/// The fewest points that are worth a thread's while.
+const RUN: usize = 256;
+
+/// A surface with a 1-form at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceVector {
+    /// The position and its derivatives `T_s` and `T_t`.
+    pub position: Jet<Vector3<f64>>,
+    /// The components of the form along `s` and `t`.
+    pub components: [f64; 2],
+    /// The tangent vector of the form: `V . T_s` and `V . T_t` are its components. 0 where the derivatives are
+    /// parallel.
+    pub vector: Vector3<f64>,
+}
 
 impl LimitSurface {
     /// Refines `cage` as far as evaluation needs: once where irregular vertices or features share a face, and
@@ -181,15 +158,11 @@ impl LimitSurface {
         form: &Cochain<0, T>,
         points: &[SurfacePoint],
     ) -> Result<Vec<Jet<T>>, PointError> {
-        self.each(form.values(), 0, points, |kind, found, c| match found {
-            Found::Patch(frame) => {
-                let jet = patch::form0(kind, c, frame.point);
-                Jet { value: jet.value, derivatives: frame.pull(jet.derivatives) }
-            }
-            Found::Vertex(table) => {
-                let (value, derivatives) = table.limit(c);
-                Jet { value, derivatives }
-            }
+        let kind = self.hierarchy.split_kind();
+        let walk = || Walk::new(self, 0, form.values());
+        self.each(points, walk, |walk, face, frame| {
+            let (found, c) = walk.find(face, frame);
+            jet(kind, found, c)
         })
     }
 
@@ -206,7 +179,10 @@ impl LimitSurface {
         form: &Cochain<1, T>,
         points: &[SurfacePoint],
     ) -> Result<Vec<[Jet<T>; 2]>, PointError> {
-        self.each(form.values(), 1, points, |kind, found, c| {
+        let kind = self.hierarchy.split_kind();
+        let walk = || Walk::new(self, 1, form.values());
+        self.each(points, walk, |walk, face, frame| {
+            let (found, c) = walk.find(face, frame);
             let frame = match found {
                 Found::Patch(frame) => frame,
                 Found::Vertex(table) => {
@@ -219,6 +195,37 @@ impl LimitSurface {
             let slopes = [frame.pull(a.derivatives), frame.pull(b.derivatives)];
             let by = [0, 1].map(|k| frame.pull([slopes[0][k], slopes[1][k]]));
             [0, 1].map(|i| Jet { value: values[i], derivatives: [by[0][i], by[1][i]] })
+        })
+    }
+
+    /// Positions with their derivatives, the components of a 1-form and its tangent vector at each point: what
+    /// [`LimitSurface::evaluate_0`] and [`LimitSurface::evaluate_1`] say, in one go.
+    ///
+    /// # Errors
+    /// If a point is not on the surface.
+    ///
+    /// # Panics
+    /// If the cochains are not of the finest level.
+    pub fn evaluate_vectors(
+        &self,
+        positions: &Cochain<0, Vector3<f64>>,
+        form: &Cochain<1>,
+        points: &[SurfacePoint],
+    ) -> Result<Vec<SurfaceVector>, PointError> {
+        let kind = self.hierarchy.split_kind();
+        let walks = || (Walk::new(self, 0, positions.values()), Walk::new(self, 1, form.values()));
+        self.each(points, walks, |(positions, form), face, frame| {
+            let (found, x) = positions.find(face, frame);
+            let position = jet(kind, found, x);
+            let (found, c) = form.find(face, frame);
+            let components = match found {
+                Found::Patch(frame) => {
+                    let [a, b] = patch::form1(kind, c, frame.point);
+                    frame.pull([a.value, b.value])
+                }
+                Found::Vertex(table) => table.along_tangents(c),
+            };
+            SurfaceVector { position, components, vector: vector(position.derivatives, components) }
         })
     }
 
@@ -235,54 +242,44 @@ impl LimitSurface {
         form: &Cochain<2, T>,
         points: &[SurfacePoint],
     ) -> Result<Vec<T>, PointError> {
-        self.each(form.values(), 2, points, |kind, found, c| match found {
-            Found::Patch(frame) => patch::form2(kind, c, frame.point) * frame.determinant(),
-            Found::Vertex(_) => c[0] * f64::NAN,
+        let kind = self.hierarchy.split_kind();
+        let walk = || Walk::new(self, 2, form.values());
+        self.each(points, walk, |walk, face, frame| match walk.find(face, frame) {
+            (Found::Patch(frame), c) => patch::form2(kind, c, frame.point) * frame.determinant(),
+            (Found::Vertex(_), c) => c[0] * f64::NAN,
         })
     }
 
-    fn each<T: Value, R: Send>(
+    /// Calls `at` with the place of each point on the finest level. Points are taken in runs, each with a `state`
+    /// of its own.
+    fn each<S, R: Send>(
         &self,
-        form: &[T],
-        degree: usize,
         points: &[SurfacePoint],
-        at: impl Fn(SplitKind, Found, &[T]) -> R + Sync,
+        state: impl Fn() -> S + Send + Sync,
+        at: impl Fn(&mut S, u32, Frame) -> R + Send + Sync,
     ) -> Result<Vec<R>, PointError> {
-        let mesh = self.hierarchy.finest().mesh();
-        assert_eq!(form.len(), mesh.num_cells(degree), "a cochain of another level");
-        let kind = self.hierarchy.split_kind();
-        let one = |scratch: &mut [Vec<T>; 2], point: &SurfacePoint| {
-            let (face, frame) = self.locate(point)?;
-            let found = self.coefficients(form, degree, face, frame, scratch);
-            Ok(at(kind, found, &scratch[0]))
+        if let Some(error) = points.par_iter().find_map_first(|point| self.check(point).err()) {
+            return Err(error);
+        }
+        let one = |state: &mut S, point: &SurfacePoint| {
+            let (face, frame) = self.locate(point);
+            at(state, face, frame)
         };
-        points.par_iter().map_init(|| [Vec::new(), Vec::new()], one).collect()
+        Ok(points.par_iter().with_min_len(RUN).map_init(state, one).collect())
+    }
+
+    /// Whether a point is on the surface.
+    ///
+    /// # Errors
+    /// If it is not, saying why.
+    pub fn check(&self, point: &SurfacePoint) -> Result<(), PointError> {
+        point.check(self.hierarchy.split_kind(), self.hierarchy.level(0).mesh())
     }
 
     /// The face of the finest level that holds a point, and the frame of its patch there.
-    fn locate(&self, point: &SurfacePoint) -> Result<(u32, Frame), PointError> {
+    fn locate(&self, point: &SurfacePoint) -> (u32, Frame) {
         let SurfacePoint { face, corner, s, t } = *point;
         let (kind, cage) = (self.hierarchy.split_kind(), self.hierarchy.level(0).mesh());
-        if face as usize >= cage.num_faces() {
-            return Err(PointError::NoFace { face, count: cage.num_faces() });
-        }
-        let size = cage.face_size(face);
-        if corner as usize >= size {
-            return Err(PointError::NoCorner { face, corner, size });
-        }
-        let domain = match kind {
-            SplitKind::Quad => "both run from 0 to 1",
-            SplitKind::Triangle => "neither is below 0 and their sum is at most 1",
-        };
-        let inside = s >= 0.0
-            && t >= 0.0
-            && match kind {
-                SplitKind::Quad => s <= 1.0 && t <= 1.0,
-                SplitKind::Triangle => s + t <= 1.0 + 4.0 * f64::EPSILON,
-            };
-        if !inside {
-            return Err(PointError::Outside { face, s, t, domain });
-        }
         let mut frame = Frame::new(s, t);
         let mut corner = cage.corners(face).start + corner;
         for level in 1..=self.hierarchy.num_levels() {
@@ -302,68 +299,31 @@ impl LimitSurface {
         let size = mesh.face_size(face);
         let place = (corner - mesh.corners(face).start) as usize;
         let steps = (self.patches[face as usize].origin as usize + size - place) % size;
-        Ok((face, frame.turned(kind, steps)))
+        (face, frame.turned(kind, steps))
     }
+}
 
-    /// Finds what the limit is at a point, and leaves its coefficients in `scratch[0]`.
-    fn coefficients<T: Value>(
-        &self,
-        form: &[T],
-        degree: usize,
-        face: u32,
-        mut frame: Frame,
-        scratch: &mut [Vec<T>; 2],
-    ) -> Found<'_> {
-        let kind = self.hierarchy.split_kind();
-        let patch = self.patches[face as usize];
-        let mut table = self.tables.get(patch.table as usize);
-        self.gather(form, degree, &patch, table, &mut scratch[0]);
-        for step in 0.. {
-            if table.children.is_empty() || step >= MAX_DEPTH {
-                break;
-            }
-            let (number, below) = frame.descend(kind);
-            let child = &table.children[number];
-            frame = below.turned(kind, child.turn);
-            replace(&child.maps[degree], scratch);
-            match child.table {
-                Some(number) => table = self.tables.get(number),
-                None => return Found::Patch(frame),
-            }
+fn jet<T: Value>(kind: SplitKind, found: Found, c: &[T]) -> Jet<T> {
+    match found {
+        Found::Patch(frame) => {
+            let jet = patch::form0(kind, c, frame.point);
+            Jet { value: jet.value, derivatives: frame.pull(jet.derivatives) }
         }
-        if let Some(rows) = &table.polynomial {
-            replace(&rows[degree], scratch);
-            return Found::Patch(frame);
-        }
-        Found::Vertex(table.vertex.as_ref().expect("a table without a polynomial has one of its vertex"))
-    }
-
-    fn gather<T: Value>(&self, form: &[T], degree: usize, patch: &Patch, table: &Table, out: &mut Vec<T>) {
-        let before: usize = table.sizes[..degree].iter().sum();
-        let start = patch.cells as usize + before;
-        let cells = &self.cells[start..start + table.sizes[degree]];
-        out.clear();
-        match degree {
-            1 => out.extend(cells.iter().map(|&h| {
-                let x = form[(h >> 1) as usize];
-                if h & 1 == 0 { x } else { x * -1.0 }
-            })),
-            _ => out.extend(cells.iter().map(|&cell| form[cell as usize])),
+        Found::Vertex(table) => {
+            let (value, derivatives) = table.limit(c);
+            Jet { value, derivatives }
         }
     }
 }
 
-/// `scratch[0] = matrix scratch[0]`.
-fn replace<T: Value>(matrix: &Csr, scratch: &mut [Vec<T>; 2]) {
-    let [x, y] = scratch;
-    y.clear();
-    let zero = x[0] * 0.0;
-    for i in 0..matrix.rows() {
-        let (columns, weights) = row_of(matrix, i);
-        let terms = std::iter::zip(columns, weights);
-        y.push(terms.fold(zero, |sum, (&j, &weight)| sum + x[j as usize] * weight));
+/// `V = g^ij omega_j T_i` with `g_ij = T_i . T_j`.
+fn vector([t1, t2]: [Vector3<f64>; 2], [c1, c2]: [f64; 2]) -> Vector3<f64> {
+    let (g11, g12, g22) = (t1.norm_squared(), t1.dot(&t2), t2.norm_squared());
+    let determinant = g11 * g22 - g12 * g12;
+    if determinant <= 1e-14 * g11 * g22 {
+        return Vector3::zeros();
     }
-    std::mem::swap(x, y);
+    (t1 * (g22 * c1 - g12 * c2) + t2 * (g11 * c2 - g12 * c1)) / determinant
 }
 
 /// The corner of each face from which its surroundings are told; `None` if features share a face that it cannot

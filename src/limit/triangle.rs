@@ -20,7 +20,8 @@ use crate::scheme::{BoundaryRule, Scheme, Variant};
 use crate::sparse::{Csr, assemble, multiply};
 use crate::topology::SplitKind;
 
-/// The exponents `(i, j, k)` of the monomials `u^i v^j w^k` of a degree, in the order of coefficients.
+/// The exponents `(i, j, k)` of the monomials `u^i v^j w^k` of a degree, in the order of coefficients: `u = 1 - s - t`,
+/// `v = s`, `w = t`.
 pub fn exponents(degree: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..=degree).flat_map(move |k| (0..=degree - k).map(move |j| [degree - k - j, j, k]))
 }
@@ -28,7 +29,7 @@ pub fn exponents(degree: usize) -> impl Iterator<Item = [usize; 3]> {
 /// How far below the model's face its limits are taken: quartic 1-forms differ on 64 triangles, not on 16.
 const DEPTH: usize = 3;
 
-/// The polynomials of a face in a configuration, over its cells: 15, 30 and 10 rows.
+/// The Bernstein coefficients of a face in a configuration, over its cells: 15, 30 and 10 rows.
 ///
 /// # Errors
 /// If OpenSubdiv fails on the model.
@@ -91,7 +92,7 @@ fn solve(configuration: Configuration) -> Result<[Csr; 3], HierarchyError> {
 
     let points: Vec<_> = pieces.iter().map(|piece| (finest.corner_vertex(piece.corner), 1.0)).collect();
     let at = pieces.iter().flat_map(|piece| monomials(4, piece.origin)).collect::<Vec<_>>();
-    let form0 = integers(&DMatrix::from_row_slice(pieces.len(), 15, &at), &values(0, limit.l0, &points));
+    let form0 = bernstein(4, &DMatrix::from_row_slice(pieces.len(), 15, &at), &values(0, limit.l0, &points));
 
     let (mut edges, mut along) = (Vec::new(), Vec::new());
     for piece in &pieces {
@@ -105,11 +106,11 @@ fn solve(configuration: Configuration) -> Result<[Csr; 3], HierarchyError> {
             c = finest.next_corner(c);
         }
     }
-    let form1 = integers(&DMatrix::from_row_slice(edges.len(), 30, &along), &values(1, limit.l1, &edges));
+    let form1 = bernstein(4, &DMatrix::from_row_slice(edges.len(), 30, &along), &values(1, limit.l1, &edges));
 
     let faces: Vec<_> = pieces.iter().map(|piece| (finest.corner_face(piece.corner), 1.0)).collect();
     let over = pieces.iter().flat_map(|piece| integral(piece.origin, piece.size)).collect::<Vec<_>>();
-    let form2 = integers(&DMatrix::from_row_slice(pieces.len(), 10, &over), &values(2, limit.l2, &faces));
+    let form2 = bernstein(3, &DMatrix::from_row_slice(pieces.len(), 10, &over), &values(2, limit.l2, &faces));
     Ok([form0, form1, form2])
 }
 
@@ -154,14 +155,18 @@ fn integral(origin: [f64; 2], size: f64) -> Vec<f64> {
     sums
 }
 
-/// The coefficients of polynomials with these values, which are integers over 24.
-fn integers(at: &DMatrix<f64>, values: &DMatrix<f64>) -> Csr {
+/// The Bernstein coefficients of polynomials with these values. Those of monomials are integers over 24.
+fn bernstein(degree: usize, at: &DMatrix<f64>, values: &DMatrix<f64>) -> Csr {
     let inverse = at.clone().pseudo_inverse(1e-10).expect("a tolerance is positive");
     let found = inverse * values * 24.0;
+    let factorial = |n: usize| (1..=n).product::<usize>() as f64;
+    let multiplicity = |e: [usize; 3]| factorial(degree) / e.map(factorial).iter().product::<f64>();
+    let multiplicities: Vec<f64> = exponents(degree).map(multiplicity).collect();
     assemble(found.shape(), |i, row| {
+        let multiplicity = multiplicities[i % multiplicities.len()];
         for (j, &x) in found.row(i).iter().enumerate() {
             assert!((x - x.round()).abs() < 1e-6, "a coefficient of a regular patch is {x}/24");
-            row.add(j as u32, x.round() / 24.0);
+            row.add(j as u32, x.round() / (24.0 * multiplicity));
         }
     })
 }
