@@ -63,13 +63,14 @@ fn compare(name: &str, descriptor: Descriptor, scheme: Scheme, irregular: bool) 
         (0..mesh.num_faces() as u32).filter(|&f| is_irregular(mesh, kind, f) == irregular).collect();
 
     let mut random = Random::new();
-    let mut place = |face: u32| {
+    let place = |random: &mut Random, face: u32| {
         let (s, t) = (random.unit(), random.unit());
         let folded = kind == SplitKind::Triangle && s + t > 1.0;
         let (s, t) = if folded { (1.0 - s, 1.0 - t) } else { (s, t) };
         SurfacePoint { face, corner: 0, s, t }
     };
-    let mut points: Vec<SurfacePoint> = (0..POINTS).map(|i| place(faces[i * faces.len() / POINTS])).collect();
+    let mut points: Vec<SurfacePoint> =
+        (0..POINTS).map(|i| place(&mut random, faces[i * faces.len() / POINTS])).collect();
     points.sort_by_key(|point| point.face);
 
     let positions: Vec<[f64; 3]> = (0..mesh.num_vertices())
@@ -93,6 +94,18 @@ fn compare(name: &str, descriptor: Descriptor, scheme: Scheme, irregular: bool) 
     let vectors = || drop(black_box(surface.evaluate_vectors(&x, &form, &points).unwrap()));
     let jets = || drop(black_box(surface.evaluate_0(&x, &points).unwrap()));
 
+    // One in ten, face by face no longer.
+    let mut scattered: Vec<usize> = (0..POINTS).step_by(10).collect();
+    (1..scattered.len()).rev().for_each(|i| scattered.swap(i, random.below(i as u32 + 1) as usize));
+    let few: Vec<SurfacePoint> = scattered.iter().map(|&i| points[i]).collect();
+    let few_at: Vec<u32> = few.iter().map(|point| point.face).collect();
+    let few_uv: Vec<[f64; 2]> = few.iter().map(|point| [point.s, point.t]).collect();
+    let few_vectors = || drop(black_box(surface.evaluate_vectors(&x, &form, &few).unwrap()));
+
+    let [theirs_few, ours_few] =
+        paired([&mut || drop(black_box(bfr.evaluate(flat, &few_at, &few_uv).unwrap())), &mut || {
+            one.install(few_vectors)
+        }]);
     let [ours, ours_jets, ours_2, ours_jets_2, theirs, theirs_jets, set_up, set_up_jets] = paired([
         &mut || one.install(vectors),
         &mut || one.install(jets),
@@ -126,4 +139,7 @@ fn compare(name: &str, descriptor: Descriptor, scheme: Scheme, irregular: bool) 
     line("formwork: the same and the vector of a 1-form", per(ours, POINTS));
     line("formwork: position and derivatives, two threads", per(ours_jets_2, POINTS));
     line("formwork: the same and the vector, two threads", per(ours_2, POINTS));
+    println!("  in random order");
+    line("Bfr: position and derivatives", per(theirs_few, few.len()));
+    line("formwork: the same and the vector of a 1-form", per(ours_few, few.len()));
 }

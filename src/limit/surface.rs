@@ -107,24 +107,44 @@ impl LimitSurface {
     fn prepare(
         hierarchy: Hierarchy,
         mut tables: Tables,
-        beside: impl Fn(usize) -> Option<Key>,
+        beside: impl Fn(usize) -> Option<Key> + Sync,
     ) -> Result<Self, SurfaceError> {
         let finest = hierarchy.finest();
         let (mesh, tags) = (finest.mesh(), finest.tags());
         let origins = origins(finest, hierarchy.split_kind()).expect("features stay apart");
-        let mut patches = Vec::with_capacity(mesh.num_faces());
-        let mut cells = Vec::new();
-        for (face, &corner) in origins.iter().enumerate() {
-            let (configuration, fan) = around_face(mesh, tags, corner);
+        let around = |face: usize| around_face(mesh, tags, origins[face]);
+        let faces = 0..mesh.num_faces();
+        let key = |face| {
+            let (configuration, fan) = around(face);
             check(mesh, configuration, &fan)?;
-            let table = tables.number(beside(face).unwrap_or(Key::Face(configuration)))? as u32;
-            let first = mesh.corners(face as u32).start;
-            patches.push(Patch { origin: (corner - first) as u8, table, cells: cells.len() as u32 });
-            let around = patch_cells(mesh, configuration, &fan);
-            cells.extend(around.vertices);
-            cells.extend(around.edges.iter().map(|h| h.0));
-            cells.extend(around.faces);
+            Ok(beside(face).unwrap_or(Key::Face(configuration)))
+        };
+        let keys: Vec<Result<Key, SurfaceError>> = faces.clone().into_par_iter().map(key).collect();
+
+        let mut patches = Vec::with_capacity(mesh.num_faces());
+        let mut num_cells = 0;
+        for (key, &corner) in keys.into_iter().zip(&origins) {
+            let table = tables.number(key?)?;
+            let first = mesh.corners(mesh.corner_face(corner)).start;
+            patches.push(Patch {
+                origin: (corner - first) as u8,
+                table: table as u32,
+                cells: num_cells as u32,
+            });
+            num_cells += tables.get(table).sizes.iter().sum::<usize>();
         }
+        let cells: Vec<Vec<u32>> = faces
+            .into_par_iter()
+            .fold(Vec::new, |mut cells, face| {
+                let (configuration, fan) = around(face);
+                let found = patch_cells(mesh, configuration, &fan);
+                cells.extend(found.vertices);
+                cells.extend(found.edges.iter().map(|h| h.0));
+                cells.extend(found.faces);
+                cells
+            })
+            .collect();
+        let cells = cells.concat();
         Ok(LimitSurface { hierarchy, tables, patches, cells })
     }
 

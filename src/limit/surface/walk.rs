@@ -4,7 +4,7 @@ use super::super::frame::Frame;
 use super::super::vertex::VertexTable;
 use super::LimitSurface;
 use crate::cochain::Value;
-use crate::sparse::{Csr, row_of};
+use crate::sparse::Csr;
 
 /// Where the descent to an irregular vertex gives up: within 1e-13 of it in the parameters.
 const MAX_DEPTH: usize = 44;
@@ -139,11 +139,14 @@ impl<T: Value> Tree<T> {
         self.nodes[at].below[place] = new as u32;
         let (before, after) = self.nodes.split_at_mut(new);
         let (x, y) = (&before[at].values, &mut after[0].values);
+        let (rows, columns, weights) = (map.indptr(), map.indices(), map.data());
         let zero = x[0] * 0.0;
-        y.extend((0..map.rows()).map(|i| {
-            let (columns, weights) = row_of(map, i);
-            let terms = std::iter::zip(columns, weights);
-            terms.fold(zero, |sum, (&j, &weight)| sum + x[j as usize] * weight)
+        y.extend(rows.raw_storage().windows(2).map(|row| {
+            let mut sum = zero;
+            for (&j, &weight) in columns[row[0]..row[1]].iter().zip(&weights[row[0]..row[1]]) {
+                sum = sum + x[j as usize] * weight;
+            }
+            sum
         }));
         new
     }
