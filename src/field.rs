@@ -86,12 +86,18 @@ pub fn first_fundamental_form([t1, t2]: [Vector3<f64>; 2]) -> Matrix2<f64> {
 
 /// The tangent vector of a covector: `V = g^ij omega_j T_i`, so that `V . T_i = omega_i`. Its length is in the
 /// units of the form's values over those of the positions. 0 if the tangents are parallel.
+#[inline]
 pub fn sharp(tangents: [Vector3<f64>; 2], covector: [f64; 2]) -> Vector3<f64> {
-    match solve(first_fundamental_form(tangents), Vector2::from(covector)) {
-        Some(v) => tangents[0] * v.x + tangents[1] * v.y,
-        None => Vector3::zeros(),
+    let (g, [t1, t2], [c1, c2]) = (first_fundamental_form(tangents), tangents, covector);
+    let determinant = g.determinant();
+    if determinant <= PARALLEL * g[(0, 0)] * g[(1, 1)] {
+        return Vector3::zeros();
     }
+    (t1 * (g[(1, 1)] * c1 - g[(0, 1)] * c2) + t2 * (g[(0, 0)] * c2 - g[(0, 1)] * c1)) / determinant
 }
+
+/// Tangents whose sine is below the root of this are parallel to rounding.
+const PARALLEL: f64 = 1e-14;
 
 /// The covector of a vector, `omega_i = V . T_i`: the inverse of [`sharp`] for tangent vectors.
 pub fn flat(tangents: [Vector3<f64>; 2], vector: Vector3<f64>) -> [f64; 2] {
@@ -100,7 +106,7 @@ pub fn flat(tangents: [Vector3<f64>; 2], vector: Vector3<f64>) -> [f64; 2] {
 
 /// Solves a symmetric positive 2 x 2 system, unless it is singular to rounding.
 fn solve(matrix: Matrix2<f64>, right: Vector2<f64>) -> Option<Vector2<f64>> {
-    let regular = matrix.determinant() > 1e-14 * matrix[(0, 0)] * matrix[(1, 1)];
+    let regular = matrix.determinant() > PARALLEL * matrix[(0, 0)] * matrix[(1, 1)];
     if regular { matrix.try_inverse().map(|inverse| inverse * right) } else { None }
 }
 

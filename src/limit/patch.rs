@@ -8,8 +8,8 @@
 //! 1-form   N2(s) N3(t) ds  on 3 x 4 edges along s,   N3(s) N2(t) dt  on 4 x 3 edges along t
 //! ```
 //!
-//! On triangles they are quartic (0- and 1-forms) and cubic (2-forms) polynomials, homogeneous in the
-//! barycentric coordinates; [`super::triangle`] has them.
+//! On triangles they are quartic (0- and 1-forms) and cubic (2-forms) polynomials in Bernstein form;
+//! [`super::triangle`] has them.
 
 use crate::sparse::Value;
 use crate::topology::SplitKind;
@@ -74,34 +74,45 @@ fn tensor<const M: usize, const N: usize, T: Value>(
     Jet { value, derivatives: [by_s, by_t] }
 }
 
-/// The monomials `u^i v^j w^k` of degree `N` with `u = 1 - s - t`, `v = s`, `w = t`, in the order of
-/// [`super::triangle::exponents`], contracted with the coefficients.
+/// The quartic with these Bernstein coefficients, in the order of [`super::triangle::exponents`]. One step of de
+/// Casteljau's algorithm is left to the end, where it gives the derivatives: with the three cubics
+/// `p_u, p_v, p_w` whose coefficients are those next to each other along the sides of the triangle,
+///
+/// ```text
+/// p = u p_u + v p_v + w p_w        dp/ds = 4 (p_v - p_u)        dp/dt = 4 (p_w - p_u)
+/// ```
 #[inline]
-fn polynomial<const N: usize, T: Value>(c: &[T], s: f64, t: f64) -> Jet<T> {
-    let zero = c[0] * 0.0;
-    let powers = |x: f64| {
-        let mut p = [1.0; 5];
-        for i in 1..=N {
-            p[i] = p[i - 1] * x;
-        }
-        p
-    };
-    let (u, v, w) = (powers(1.0 - s - t), powers(s), powers(t));
-    let slope = |p: &[f64; 5], i: usize| if i == 0 { 0.0 } else { i as f64 * p[i - 1] };
-    let (mut value, mut by_s, mut by_t) = (zero, zero, zero);
-    let mut at = 0;
-    for k in 0..=N {
-        for j in 0..=N - k {
-            let i = N - k - j;
-            let x = c[at];
-            at += 1;
-            let by_u = slope(&u, i) * v[j] * w[k];
-            value = value + x * (u[i] * v[j] * w[k]);
-            by_s = by_s + x * (u[i] * slope(&v, j) * w[k] - by_u);
-            by_t = by_t + x * (u[i] * v[j] * slope(&w, k) - by_u);
-        }
-    }
-    Jet { value, derivatives: [by_s, by_t] }
+fn quartic<T: Value>(c: &[T], s: f64, t: f64) -> Jet<T> {
+    // Row k, those with w^k, begins at 0, 5, 9, 12, 14.
+    const CORNERS: [[usize; 3]; 10] = [
+        [0, 1, 5],
+        [1, 2, 6],
+        [2, 3, 7],
+        [3, 4, 8],
+        [5, 6, 9],
+        [6, 7, 10],
+        [7, 8, 11],
+        [9, 10, 12],
+        [10, 11, 13],
+        [12, 13, 14],
+    ];
+    let (c, weights) = (&c[..15], cubics(s, t));
+    let sides: [T; 3] = std::array::from_fn(|i| {
+        let sum = c[CORNERS[0][i]] * weights[0];
+        (1..10).fold(sum, |sum, m| sum + c[CORNERS[m][i]] * weights[m])
+    });
+    let [by_u, by_v, by_w] = sides;
+    let value = by_u * (1.0 - s - t) + by_v * s + by_w * t;
+    Jet { value, derivatives: [(by_v - by_u) * 4.0, (by_w - by_u) * 4.0] }
+}
+
+/// The Bernstein polynomials of degree 3.
+#[inline]
+fn cubics(s: f64, t: f64) -> [f64; 10] {
+    let (u, v, w) = (1.0 - s - t, s, t);
+    let (uu, vv, ww) = (u * u, v * v, w * w);
+    let (u3, v3, w3) = (3.0 * u, 3.0 * v, 3.0 * w);
+    [uu * u, uu * v3, u3 * vv, vv * v, uu * w3, u3 * 2.0 * v * w, vv * w3, u3 * ww, v3 * ww, ww * w]
 }
 
 /// A 0-form.
@@ -109,7 +120,7 @@ fn polynomial<const N: usize, T: Value>(c: &[T], s: f64, t: f64) -> Jet<T> {
 pub fn form0<T: Value>(kind: SplitKind, c: &[T], [s, t]: [f64; 2]) -> Jet<T> {
     match kind {
         SplitKind::Quad => tensor(c, n3(s), n3(t)),
-        SplitKind::Triangle => polynomial::<4, T>(c, s, t),
+        SplitKind::Triangle => quartic(c, s, t),
     }
 }
 
@@ -118,7 +129,7 @@ pub fn form0<T: Value>(kind: SplitKind, c: &[T], [s, t]: [f64; 2]) -> Jet<T> {
 pub fn form1<T: Value>(kind: SplitKind, c: &[T], [s, t]: [f64; 2]) -> [Jet<T>; 2] {
     match kind {
         SplitKind::Quad => [tensor(&c[..12], n2(s), n3(t)), tensor(&c[12..], n3(s), n2(t))],
-        SplitKind::Triangle => [polynomial::<4, T>(&c[..15], s, t), polynomial::<4, T>(&c[15..], s, t)],
+        SplitKind::Triangle => [quartic(&c[..15], s, t), quartic(&c[15..], s, t)],
     }
 }
 
@@ -127,6 +138,9 @@ pub fn form1<T: Value>(kind: SplitKind, c: &[T], [s, t]: [f64; 2]) -> [Jet<T>; 2
 pub fn form2<T: Value>(kind: SplitKind, c: &[T], [s, t]: [f64; 2]) -> T {
     match kind {
         SplitKind::Quad => tensor(c, n2(s), n2(t)).value,
-        SplitKind::Triangle => polynomial::<3, T>(c, s, t).value,
+        SplitKind::Triangle => {
+            let sum = |sum, (&c, weight): (&T, f64)| sum + c * weight;
+            c[1..10].iter().zip(cubics(s, t).into_iter().skip(1)).fold(c[0] * cubics(s, t)[0], sum)
+        }
     }
 }

@@ -20,7 +20,8 @@ use crate::scheme::{BoundaryRule, Scheme, Variant};
 use crate::sparse::{Csr, assemble, multiply};
 use crate::topology::SplitKind;
 
-/// The exponents `(i, j, k)` of the monomials `u^i v^j w^k` of a degree, in the order of coefficients.
+/// The exponents `(i, j, k)` of the monomials `u^i v^j w^k` of a degree, in the order of coefficients: `u = 1 - s - t`,
+/// `v = s`, `w = t`.
 pub fn exponents(degree: usize) -> impl Iterator<Item = [usize; 3]> {
     (0..=degree).flat_map(move |k| (0..=degree - k).map(move |j| [degree - k - j, j, k]))
 }
@@ -28,7 +29,7 @@ pub fn exponents(degree: usize) -> impl Iterator<Item = [usize; 3]> {
 /// How far below the model's face its limits are taken: quartic 1-forms differ on 64 triangles, not on 16.
 const DEPTH: usize = 3;
 
-/// The polynomials of a face in a configuration, over its cells: 15, 30 and 10 rows.
+/// The Bernstein coefficients of a face in a configuration, over its cells: 15, 30 and 10 rows.
 ///
 /// # Errors
 /// If OpenSubdiv fails on the model.
@@ -45,34 +46,21 @@ pub fn polynomials(configuration: Configuration) -> Result<Arc<[Csr; 3]>, Hierar
 }
 
 /// The polynomials of a triangle of the Whitney scheme, over its vertices, its edges and itself: barycentric
-/// coordinates, (3.33) of the thesis and a constant, times powers of `u + v + w = 1`.
+/// coordinates, (3.33) of the thesis and a constant, all raised to the degree of the others.
 pub fn whitney() -> [Csr; 3] {
-    let factorial = |n: usize| (1..=n).product::<usize>() as f64;
-    // The coefficient of u^i v^j w^k in (u + v + w)^(i + j + k).
-    let power = |e: [usize; 3]| factorial(e.iter().sum()) / e.iter().map(|&n| factorial(n)).product::<f64>();
-    // That of it in the coordinate of corner c times such a power.
-    let coordinate = |e: [usize; 3], c: usize| match e[c] {
-        0 => 0.0,
-        _ => {
-            let mut less = e;
-            less[c] -= 1;
-            power(less)
-        }
-    };
-    let slope = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]; // of the coordinates, by s and t
     let quartic: Vec<_> = exponents(4).collect();
-    let vertices = assemble((15, 3), |m, row| {
-        (0..3).for_each(|c| row.add(c as u32, coordinate(quartic[m], c)));
-    });
-    let edges = assemble((30, 3), |m, row| {
+    let coordinate = |m: usize, c: usize| quartic[m][c] as f64 / 4.0;
+    let slope = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]]; // of the coordinates, by s and t
+    let vertices = assemble((15, 3), |m, row| (0..3).for_each(|c| row.add(c as u32, coordinate(m, c))));
+    let edges = assemble((30, 3), |row_number, row| {
+        let (m, k) = (row_number % 15, row_number / 15);
         for a in 0..3 {
-            let (b, e, k) = ((a + 1) % 3, quartic[m % 15], m / 15);
-            row.add(a as u32, coordinate(e, a) * slope[b][k] - coordinate(e, b) * slope[a][k]);
+            let b = (a + 1) % 3;
+            row.add(a as u32, coordinate(m, a) * slope[b][k] - coordinate(m, b) * slope[a][k]);
         }
     });
-    let cubic: Vec<_> = exponents(3).collect();
     // The whole over the triangle's area of one half.
-    [vertices, edges, assemble((10, 1), |m, row| row.add(0, 2.0 * power(cubic[m])))]
+    [vertices, edges, assemble((10, 1), |_, row| row.add(0, 2.0))]
 }
 
 /// A triangle of a refinement, in the parameters of the face: where its corner lies, and its size, negative if it
@@ -122,7 +110,7 @@ fn solve(configuration: Configuration) -> Result<[Csr; 3], HierarchyError> {
 
     let points: Vec<_> = pieces.iter().map(|piece| (finest.corner_vertex(piece.corner), 1.0)).collect();
     let at = pieces.iter().flat_map(|piece| monomials(4, piece.origin)).collect::<Vec<_>>();
-    let form0 = integers(&DMatrix::from_row_slice(pieces.len(), 15, &at), &values(0, limit.l0, &points));
+    let form0 = bernstein(4, &DMatrix::from_row_slice(pieces.len(), 15, &at), &values(0, limit.l0, &points));
 
     let (mut edges, mut along) = (Vec::new(), Vec::new());
     for piece in &pieces {
@@ -136,11 +124,11 @@ fn solve(configuration: Configuration) -> Result<[Csr; 3], HierarchyError> {
             c = finest.next_corner(c);
         }
     }
-    let form1 = integers(&DMatrix::from_row_slice(edges.len(), 30, &along), &values(1, limit.l1, &edges));
+    let form1 = bernstein(4, &DMatrix::from_row_slice(edges.len(), 30, &along), &values(1, limit.l1, &edges));
 
     let faces: Vec<_> = pieces.iter().map(|piece| (finest.corner_face(piece.corner), 1.0)).collect();
     let over = pieces.iter().flat_map(|piece| integral(piece.origin, piece.size)).collect::<Vec<_>>();
-    let form2 = integers(&DMatrix::from_row_slice(pieces.len(), 10, &over), &values(2, limit.l2, &faces));
+    let form2 = bernstein(3, &DMatrix::from_row_slice(pieces.len(), 10, &over), &values(2, limit.l2, &faces));
     Ok([form0, form1, form2])
 }
 
@@ -185,14 +173,18 @@ fn integral(origin: [f64; 2], size: f64) -> Vec<f64> {
     sums
 }
 
-/// The coefficients of polynomials with these values, which are integers over 24.
-fn integers(at: &DMatrix<f64>, values: &DMatrix<f64>) -> Csr {
+/// The Bernstein coefficients of polynomials with these values. Those of monomials are integers over 24.
+fn bernstein(degree: usize, at: &DMatrix<f64>, values: &DMatrix<f64>) -> Csr {
     let inverse = at.clone().pseudo_inverse(1e-10).expect("a tolerance is positive");
     let found = inverse * values * 24.0;
+    let factorial = |n: usize| (1..=n).product::<usize>() as f64;
+    let multiplicity = |e: [usize; 3]| factorial(degree) / e.map(factorial).iter().product::<f64>();
+    let multiplicities: Vec<f64> = exponents(degree).map(multiplicity).collect();
     assemble(found.shape(), |i, row| {
+        let multiplicity = multiplicities[i % multiplicities.len()];
         for (j, &x) in found.row(i).iter().enumerate() {
             assert!((x - x.round()).abs() < 1e-6, "a coefficient of a regular patch is {x}/24");
-            row.add(j as u32, x.round() / 24.0);
+            row.add(j as u32, x.round() / (24.0 * multiplicity));
         }
     })
 }

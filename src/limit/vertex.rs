@@ -12,6 +12,9 @@
 //! edges, then `T S1 - lambda T = r d1` and `psi (lambda - F) = r`, `F` the fan block of `S2`. At a crease there
 //! is one such pair for each sector, at a sharp corner the two edges of a sector take its place.
 //!
+//! Where `lambda` is an eigenvalue of `F` too (valence 3 of Loop's own rule, boundary vertices of one face) a form with
+//! curl has no limit vector; the part of the curl is left out.
+//!
 //! Darts, whose smooth masks are not left eigenvectors, and the vertex rules of modified Loop take the dominant
 //! eigenvectors that are even and odd under reflection.
 

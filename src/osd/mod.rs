@@ -4,10 +4,12 @@
 //! level's incidence (as a [`Mesh`]), tags and S0 masks while a hierarchy is built, and for its own
 //! stencils and limits when results are checked against it.
 
+mod bfr;
 #[allow(unsafe_code)]
 mod bridge;
 mod level;
 
+pub use bfr::{BFR_SHARP_LEVEL, BFR_SMOOTH_LEVEL, Bfr};
 pub use level::{Children, LimitStencils, Masks, OsdScheme, Rule, Rules, Tags};
 
 use bridge::ffi;
