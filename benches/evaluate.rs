@@ -23,10 +23,44 @@ fn main() {
     println!("{POINTS} points; medians of {RUNS}; as ratios to Bfr's position and derivatives, one thread");
     let catmark = Scheme::default();
     let loop_ = Scheme::Loop(Variant::Loop, BoundaryRule::Reflect);
-    compare("quads, regular", meshes::grid(100, 100, true), catmark, false);
-    compare("quads, irregular", quads_of(&random_triangles(40)), catmark, true);
-    compare("triangles, regular", meshes::hexagonal_torus(100, 50), loop_, false);
-    compare("triangles, irregular", random_triangles(70), loop_, true);
+    // `cargo bench --bench evaluate -- set-up` runs what has this in its name.
+    let wanted = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).unwrap_or_default();
+    let meshes: [(&str, fn() -> Descriptor, Scheme); 4] = [
+        ("quads, regular", || meshes::grid(100, 100, true), catmark),
+        ("quads, irregular", || quads_of(&random_triangles(40)), catmark),
+        ("triangles, regular", || meshes::hexagonal_torus(100, 50), loop_),
+        ("triangles, irregular", || random_triangles(70), loop_),
+    ];
+    for (name, mesh, scheme) in meshes {
+        if name.contains(&wanted) {
+            compare(name, mesh(), scheme, name.ends_with("irregular"));
+        }
+    }
+    if !"set-up".contains(&wanted) {
+        return;
+    }
+    println!("\nSet-up of a surface, nanoseconds a face of the cage");
+    println!("{:>20} {:>10} {:>12} {:>12}", "", "faces", "one thread", "two threads");
+    for side in [40, 80, 160] {
+        set_up("quads, irregular", quads_of(&random_triangles(side)), catmark);
+    }
+    for side in [70, 140, 280] {
+        set_up("triangles, irregular", random_triangles(side), loop_);
+    }
+}
+
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+}
+
+fn set_up(name: &str, descriptor: Descriptor, scheme: Scheme) {
+    let cage = Cage::new(descriptor).unwrap();
+    let (one, two) = (pool(1), pool(2));
+    let build = || drop(black_box(LimitSurface::new(&cage, scheme).unwrap()));
+    let times = paired([&mut || one.install(build), &mut || two.install(build)]);
+    let faces = cage.descriptor().face_sizes.len();
+    let [one, two] = times.map(|ms| ms * 1e6 / faces as f64);
+    println!("{name:>20} {faces:>10} {one:>12.0} {two:>12.0}");
 }
 
 /// A torus of cells cut along random diagonals: valences 4 to 8.
@@ -89,7 +123,6 @@ fn compare(name: &str, descriptor: Descriptor, scheme: Scheme, irregular: bool) 
     let at: Vec<u32> = points.iter().map(|point| point.face).collect();
     let uv: Vec<[f64; 2]> = points.iter().map(|point| [point.s, point.t]).collect();
     let one_each = vec![[0.3, 0.4]; faces.len()];
-    let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
     let (one, two) = (pool(1), pool(2));
     let vectors = || drop(black_box(surface.evaluate_vectors(&x, &form, &points).unwrap()));
     let jets = || drop(black_box(surface.evaluate_0(&x, &points).unwrap()));
