@@ -250,10 +250,13 @@ fn outputs() {
     let refuse = |out: &str, words: &[&str]| {
         bad_arguments(&["subdivide", "cube.obj", "--field", "cube.fields.json", "-o", out], words);
     };
-    refuse("out.stl", &["out.stl: has the extension .stl", "choose .glb, .json, .obj"]);
-    refuse("out.npz", &["choose .glb, .json, .obj"]);
-    refuse("out", &["out: has no extension", "choose .glb, .json, .obj"]);
+    refuse(
+        "out.stl",
+        &["out.stl: has the extension .stl", "choose .obj, .json, .glb, .gltf, .usda, .usd, .npz"],
+    );
+    refuse("out", &["out: has no extension", "choose .obj, .json, .glb, .gltf, .usda, .usd"]);
     refuse("cube.obj", &["cube.obj: the output would replace the input cube.obj: choose another name"]);
+    refuse("out.usdc", &["out.usdc: has the extension .usdc, which is not written here", "usdcat"]);
     refuse("folder/../cube.obj", &["would replace the input cube.obj"]);
     refuse("cube.fields.json", &["would replace the input cube.fields.json"]);
     refuse("none/out.glb", &["none/out.glb: its directory does not exist: create it first"]);
@@ -292,6 +295,11 @@ fn arguments() {
     bad_arguments(&subdivide(&["--levels", "99"]), &["'99'", "--levels", "0..=15"]);
     bad_arguments(&subdivide(&["--levels", "-1"]), &["-1", "--help"]);
     bad_arguments(&subdivide(&["--levels", "two"]), &["'two'", "--levels"]);
+    bad_arguments(&subdivide(&["--prim", "/A"]), &["cube.obj: --prim: a file of this format holds one mesh"]);
+    bad_arguments(&subdivide(&["--frames", "all"]), &["cube.obj: --frames: only USD files have frames"]);
+    bad_arguments(&subdivide(&["--frames", "1-2"]), &["'1-2'", "--frames", "1:24"]);
+    bad_arguments(&["inspect", "cube.stl"], &["cube.stl: no such file"]);
+    bad_arguments(&["inspect", "cube.fields.json"], &["cube.fields.json: line 1, column ", "not a mesh"]);
     bad_arguments(&subdivide(&["--boundary", "open"]), &["'open'", "none, edge-only, edge-and-corner"]);
     bad_arguments(&subdivide(&["--fields", "x"]), &["'--fields'", "'--field'"]);
     bad_arguments(&["subdivide", "cube.obj"], &["--output <OUT>", "--help"]);
@@ -336,7 +344,7 @@ fn what_does_not_fit() {
     for out in ["out.glb", "out.json", "out.obj"] {
         refused(
             &[("bad.obj", square.as_bytes())],
-            &["subdivide", "bad.obj", "--levels", "0", "-o", out],
+            &["subdivide", "bad.obj", "--levels", "1", "-o", out],
             &["no face is left to write", "boundary rule"],
         );
     }

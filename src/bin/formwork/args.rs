@@ -1,157 +1,22 @@
 //! What can be typed. Parsed and range-checked here, settled in [`crate::job`].
 
+mod batch;
+mod help;
+
 use std::path::PathBuf;
 
+pub use batch::Batch;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
+use formwork::io::Frames;
+use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
-
-// Lines of at most 79 characters: clap breaks longer ones in a narrow terminal, code and all.
-const EXAMPLES: &str = "\
-Examples:
-  What is this cage, and what becomes of its creases, holes and polygons?
-    formwork inspect assets/open_polygons.obj
-
-  Refine a cage and the 1-form on its edges; any glTF viewer opens the result:
-    formwork subdivide assets/creased_box.obj \\
-        --field assets/creased_box.field.json --levels 3 -o box.glb
-
-  The limit surface itself, with exact normals and tangent vectors:
-    formwork limit assets/creased_box.obj \\
-        --field assets/creased_box.field.json --level 2 -o limit.glb
-
-  Measure that d S = S d, against OpenSubdiv's own weights:
-    formwork validate assets/creased_box.obj --levels 3
-
-`formwork COMMAND --help` tells more. Exit codes: 0 fine, 2 the input or the
-arguments are at fault (one line on stderr says where and what to do), 3 a law
-does not hold.";
-
-const SUBDIVIDE_HELP: &str = "\
-The field file is JSON. Indices start at 0; cells not listed have the value 0:
-  {\"edges\": [[a, b, value], ...],    1-form: circulation from vertex a to b
-   \"vertices\": [[v, value], ...],    0-form
-   \"faces\": [[f, value], ...]}       2-form: flux, counter-clockwise side positive
-Any of the three may be left out. Without --field, only geometry is refined.
-
-What is written, by the extension of -o:
-  .glb   triangles with normals; the forms as vertex attributes _FORM0 and
-         _FORM1 (the tangent vector of the 1-form), and a node of line segments
-         that shows the field as arrows; a 2-form has no place there
-  .json  everything: positions, polygons, edges, forms, a vector for each face
-  .obj   the polygons; OBJ has no place for forms, so they go to a second file,
-         X.fields.json beside X.obj, in the format above
-With --limit the vertices lie on the limit surface, and normals, vectors,
-circulations and fluxes are those of the limit: see formwork limit --help.
-Faces that are holes are left out.
-
-Examples:
-  formwork subdivide assets/creased_box.obj \\
-      --field assets/creased_box.field.json -o box.glb
-  formwork subdivide assets/creased_box.obj --limit \\
-      --field assets/creased_box.field.json -o box.glb
-  formwork subdivide assets/creased_box.obj \\
-      --field assets/creased_box.field.json --levels 2 -o box.obj
-  formwork subdivide assets/open_polygons.obj --boundary none -o open.json";
-
-const LIMIT_HELP: &str = "\
-Nothing is approximated: every vertex of the refined mesh is moved to where
-refining for ever would take it, and every form gets its limit there.
-  positions       the vertices on the limit surface
-  normals         exact unit normals
-  0-form          limit values at the vertices
-  1-form          limit circulations along the limits of the edges, and its
-                  tangent vectors at the vertices; at a crease every face corner
-                  has the vector of its own side, and the vertex their mean
-  2-form          integrals over the limits of the faces
-Vectors are in the units of the 1-form's values per unit of length. Level 0 is
-the cage's own vertices, edges and faces. The field file is that of subdivide.
-
-What is written, by the extension of -o:
-  .npz    arrays for NumPy: edges, face_sizes, face_vertices, positions, normals,
-          values, circulations, fluxes, vertex_vectors, corner_vectors
-  .json   the same as JSON
-  .glb    triangles with exact normals, _FORM0, _FORM1 and arrows
-  .obj    positions and normals; the forms beside it in X.fields.json
-
-Examples:
-  formwork limit assets/creased_box.obj --level 2 -o limit.obj
-  formwork limit assets/creased_box.obj --level 0 \\
-      --field assets/creased_box.field.json -o limit.json
-  formwork limit assets/gem.obj --scheme modified-loop --level 3 -o gem.npz";
-
-const EVALUATE_HELP: &str = "\
-The points file is JSON. Indices start at 0:
-  {\"points\": [[face, s, t], [face, corner, s, t], ...]}
-On a quad with corners v, a, q, b the point is at s from v to a and t from v
-to b, both from 0 to 1; on a triangle v, a, b of Loop's schemes at 1 - s - t, s, t.
-v is the face's first vertex, or the corner that the entry names. Polygons with
-more or fewer corners than four, split into quads, need the corner: (1, 1) is
-then the centre of the polygon, (1, 0) the midpoint of the edge that leaves.
-
-With --per-face K, K x K points in every face (in every corner of a polygon; in
-a triangle the centres of K x K triangles) instead.
-
-Every point gets: position, tangents (derivatives of the position by s and t),
-and of the forms in --field: form0 (value), form1 (components along s and t),
-form1_derivatives (of component i by parameter k), vector (the tangent vector),
-curl (component of d form1), form2 (density per ds dt). At an irregular vertex
-tangents and components are those along its limit tangents, and what does not
-exist there is null in JSON, NaN in NumPy.
-
-Examples:
-  formwork evaluate assets/creased_box.obj --per-face 3 \\
-      --field assets/creased_box.field.json -o points.json
-  formwork evaluate assets/gem.obj --per-face 4 -o points.npz";
-
-const OPERATORS_HELP: &str = "\
-For each level l the archive has l{l}/edges (E, 2), l{l}/face_sizes,
-l{l}/face_vertices and the matrices l{l}/d0 and l{l}/d1; for l >= 1 also the
-matrices l{l}/S0, l{l}/S1, l{l}/S2 from level l - 1 to level l, and
-l{l}/vertex_parent_kind (0 vertex, 1 edge, 2 face), l{l}/vertex_parent_index.
-A matrix M is four arrays, M_data, M_indices, M_indptr and M_shape (compressed
-sparse rows). With npz = numpy.load(\"box.npz\"), SciPy reads it by
-
-  def matrix(npz, name):
-      parts = (npz[f\"{name}_{part}\"] for part in (\"data\", \"indices\", \"indptr\"))
-      return scipy.sparse.csr_matrix(tuple(parts), shape=npz[f\"{name}_shape\"])
-
-Faces that are holes belong to the complex and are here.
-
-Examples:
-  formwork operators assets/creased_box.obj --levels 2 -o box.npz
-  formwork operators assets/open_polygons.obj --doo-sabin original -o open.npz
-  formwork operators assets/creased_box.obj --json -o box.npz";
-
-const VALIDATE_HELP: &str = "\
-For each level: the largest entry of d0 S0 - S1 d0, with OpenSubdiv's own S0,
-and of d1 S1 - S2 d1; how far the column sums of S2 are from 1; the largest
-difference between our S0 and OpenSubdiv's. For the limits L0, L1, L2 of each
-level: L1 d0 - d0 L0, L2 d1 - d1 L1, R L' S - L with R summing children into
-parents, and on the last level the difference of L0 to OpenSubdiv's limit
-masks where those are exact. Then, for a random 0-form, its refined
-differential summed along each control edge, against the difference of
-OpenSubdiv's refined values (equal to rounding) and the limit circulation
-(approached by the rate shown, 2 on regular meshes). Schemes that
-OpenSubdiv does not have are compared with their own S0.
-
-Examples:
-  formwork validate assets/creased_box.obj --levels 3
-  formwork validate assets/open_polygons.obj --json
-  formwork validate assets/creased_box.obj --boundary edge-and-corner
-  formwork validate assets/gem.obj --scheme modified-loop";
-
-const INSPECT_HELP: &str = "\
-Examples:
-  formwork inspect assets/creased_box.obj
-  formwork inspect assets/open_polygons.obj --boundary none
-  formwork inspect assets/open_polygons.obj --json";
 
 /// Smooth differential forms on OpenSubdiv surfaces: values on vertices, oriented edges and faces, refined
 /// so that d S = S d exactly.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(version, after_help = help::EXAMPLES, max_term_width = 100)]
 pub struct Args {
     #[command(subcommand)]
     pub command: Command,
@@ -160,35 +25,40 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Count and classify a cage, and say how it will be treated
-    #[command(after_help = INSPECT_HELP)]
+    #[command(after_help = help::INSPECT)]
     Inspect(Inspect),
     /// Refine a cage, with forms on it, and write the result
-    #[command(after_help = SUBDIVIDE_HELP)]
+    #[command(after_help = help::SUBDIVIDE)]
     Subdivide(Subdivide),
     /// Put a refined cage, with forms on it, on its limit surface: exact positions, normals, vectors
-    #[command(after_help = LIMIT_HELP)]
+    #[command(after_help = help::LIMIT)]
     Limit(Limit),
     /// Evaluate the limit surface and the forms on it at points
-    #[command(after_help = EVALUATE_HELP)]
+    #[command(after_help = help::EVALUATE)]
     Evaluate(Evaluate),
     /// Write the subdivision operators and exterior derivatives as sparse matrices, for NumPy and SciPy
-    #[command(after_help = OPERATORS_HELP)]
+    #[command(after_help = help::OPERATORS)]
     Operators(Operators),
     /// Measure that the operators commute with d, against OpenSubdiv itself
-    #[command(after_help = VALIDATE_HELP)]
+    #[command(after_help = help::VALIDATE)]
     Validate(Validate),
+    /// Refine many assets, failures apart, and go on where the last run stopped
+    #[command(after_help = batch::HELP)]
+    Batch(Batch),
 }
 
 impl Command {
-    pub fn common(&self) -> &Common {
-        match self {
+    /// The options of a command on one mesh.
+    pub fn common(&self) -> Option<&Common> {
+        Some(match self {
+            Command::Batch(_) => return None,
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
             Command::Limit(args) => &args.common,
             Command::Evaluate(args) => &args.common,
             Command::Operators(args) => &args.common,
             Command::Validate(args) => &args.common,
-        }
+        })
     }
 }
 
@@ -200,35 +70,44 @@ pub struct Inspect {
 
 #[derive(Debug, clap::Args)]
 pub struct Subdivide {
-    /// Forms on the control cage, as JSON
-    #[arg(long, value_name = "FIELD.json")]
-    pub field: Option<PathBuf>,
     /// How many times to refine; 0 writes the cage itself
     #[arg(long, short, value_name = "N", default_value_t = 3, value_parser = value_parser!(u8).range(0..=15))]
     pub levels: u8,
     /// Put the result on the limit surface
     #[arg(long)]
     pub limit: bool,
-    /// The file to write: .glb, .json or .obj
-    #[arg(long, short, value_name = "OUT")]
-    pub output: PathBuf,
+    #[command(flatten)]
+    pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
 }
 
 #[derive(Debug, clap::Args)]
 pub struct Limit {
-    /// Forms on the control cage, as JSON
-    #[arg(long, value_name = "FIELD.json")]
-    pub field: Option<PathBuf>,
     /// How many times to refine first; 0 takes the vertices of the cage
     #[arg(long, short, value_name = "N", default_value_t = 2, value_parser = value_parser!(u8).range(0..=15))]
     pub level: u8,
-    /// The file to write: .npz, .json, .glb or .obj
-    #[arg(long, short, value_name = "OUT")]
-    pub output: PathBuf,
+    #[command(flatten)]
+    pub writing: Writing,
     #[command(flatten)]
     pub common: Common,
+}
+
+/// What a refined mesh carries, and where it goes.
+#[derive(Debug, clap::Args)]
+pub struct Writing {
+    /// Forms on the control cage, as JSON, instead of those that the mesh file holds
+    #[arg(long, value_name = "FIELD.json")]
+    pub field: Option<PathBuf>,
+    /// The file to write: .usda, .glb, .gltf, .obj, .json or .npz
+    #[arg(long, short, value_name = "OUT")]
+    pub output: PathBuf,
+    /// USD: the time samples to refine: `all`, a range `1:24`, or one time `12.5`
+    #[arg(long, value_name = "TIMES", value_parser = frames)]
+    pub frames: Option<Frames>,
+    /// glTF: also write the direction of the 1-form as TANGENT, for shaders
+    #[arg(long)]
+    pub tangents: bool,
 }
 
 #[derive(Debug, clap::Args)]
@@ -272,9 +151,12 @@ pub struct Validate {
 
 #[derive(Debug, clap::Args)]
 pub struct Common {
-    /// The control cage, an OBJ file; OpenSubdiv's `t` tags in it are read
+    /// The control cage: .obj (with OpenSubdiv's `t` tags), .usda, .usdc, .usdz, .glb, .gltf or .json
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
+    /// Which mesh, if the file has several: a prim path in USD, the name or number of a node in glTF
+    #[arg(long, value_name = "NAME")]
+    pub prim: Option<String>,
     /// Print one JSON object on stdout
     #[arg(long)]
     pub json: bool,
@@ -293,7 +175,7 @@ pub struct Common {
     /// Faces are listed clockwise
     #[arg(long)]
     pub left_handed: bool,
-    /// The subdivision scheme [loop if all faces are triangles, else catmark]
+    /// The subdivision scheme [the file's; else loop if all faces are triangles, else catmark]
     #[arg(long, value_name = "NAME", value_parser = choice(SCHEMES))]
     pub scheme: Option<SchemeName>,
     /// catmark: the face weights of 2-forms
@@ -340,11 +222,29 @@ pub enum SchemeName {
     Bilinear,
 }
 
+impl SchemeName {
+    /// What OpenSubdiv, and so most files, calls it.
+    pub fn opensubdiv(self) -> Option<OsdScheme> {
+        match self {
+            SchemeName::Catmark => Some(OsdScheme::Catmark),
+            SchemeName::Loop => Some(OsdScheme::Loop),
+            SchemeName::Bilinear => Some(OsdScheme::Bilinear),
+            SchemeName::ModifiedLoop | SchemeName::Whitney => None,
+        }
+    }
+}
+
 impl Common {
-    /// The scheme that was asked for; else Loop's for a mesh of triangles and Catmull-Clark's for any other.
-    pub fn scheme(&self, face_sizes: &[u32]) -> Scheme {
-        let triangles = face_sizes.iter().all(|&size| size == 3);
-        let default = if triangles { SchemeName::Loop } else { SchemeName::Catmark };
+    /// The scheme that was asked for; else the file's; else Loop's for a mesh of triangles and
+    /// Catmull-Clark's for any other.
+    pub fn scheme(&self, of_file: Option<OsdScheme>, face_sizes: &[u32]) -> Scheme {
+        let default = match of_file {
+            Some(OsdScheme::Bilinear) => SchemeName::Bilinear,
+            Some(OsdScheme::Catmark) => SchemeName::Catmark,
+            Some(OsdScheme::Loop) => SchemeName::Loop,
+            None if face_sizes.iter().all(|&size| size == 3) => SchemeName::Loop,
+            None => SchemeName::Catmark,
+        };
         match self.scheme.unwrap_or(default) {
             SchemeName::Catmark => Scheme::Catmark(self.doo_sabin),
             SchemeName::Loop => Scheme::Loop(Variant::Loop, self.half_box),
@@ -370,6 +270,17 @@ pub fn scheme_name(scheme: Scheme) -> &'static str {
 /// The name of a value.
 pub fn name_of<T: PartialEq>(names: Names<T>, value: T) -> &'static str {
     names.iter().find(|(_, named)| *named == value).map_or("?", |(name, _)| name)
+}
+
+/// `all`, `1:24` or `12.5`.
+fn frames(typed: &str) -> Result<Frames, String> {
+    let time = |text: &str| text.parse::<f64>().ok().filter(|time| time.is_finite());
+    let frames = match typed.split_once(':') {
+        _ if typed == "all" => Some(Frames::All),
+        None => time(typed).map(Frames::At),
+        Some((first, last)) => time(first).zip(time(last)).map(|(first, last)| Frames::Range(first, last)),
+    };
+    frames.ok_or_else(|| "write all, two times as 1:24, or one time".to_owned())
 }
 
 fn choice<T: Clone + Send + Sync + 'static>(names: Names<T>) -> impl TypedValueParser<Value = T> {

@@ -2,6 +2,7 @@ use nalgebra::Vector3;
 
 use crate::field;
 use crate::io::Surface;
+use crate::io::surface::face_areas;
 
 /// The longest arrow, in mean edge lengths: neighbours do not touch.
 const LONGEST: f64 = 0.9;
@@ -27,17 +28,18 @@ fn anchors(surface: &Surface) -> Vec<Anchor> {
     if let Some(at) = surface.at_vertices() {
         let Some([vectors, _]) = &at.vectors else { return Vec::new() };
         let mut written = vec![false; mesh.num_vertices()];
-        surface.faces().flat_map(|f| mesh.face_vertices(f)).for_each(|&v| written[v as usize] = true);
+        surface.drawn_faces().flat_map(|f| mesh.face_vertices(f)).for_each(|&v| written[v as usize] = true);
         let vertices = (0..mesh.num_vertices()).filter(|&v| written[v]);
         return vertices.map(|v| (positions[v], at.normals[v], vectors[v])).collect();
     }
     let Some(vectors) = surface.face_vectors() else { return Vec::new() };
     let centres = field::face_centres(mesh, positions);
+    let areas = face_areas(mesh, positions);
     let anchor = |f: u32| {
-        let around: Vec<_> = mesh.face_vertices(f).iter().map(|&v| positions[v as usize]).collect();
-        Some((centres[f as usize], normal(&around)?, vectors[f as usize]))
+        let normal = areas[f as usize].try_normalize(0.0)?;
+        Some((centres[f as usize], normal, vectors[f as usize]))
     };
-    surface.faces().filter_map(anchor).collect()
+    surface.drawn_faces().filter_map(anchor).collect()
 }
 
 /// An arrow at each anchor whose vector is not zero, centred there, lying along the surface.
@@ -73,11 +75,4 @@ pub(super) fn arrows(surface: &Surface) -> Lines {
         lines.indices.extend([0, 1, 1, 2, 1, 3].map(|i| first + i));
     }
     lines
-}
-
-/// The unit normal of a polygon that need not be plane; `None` if it has no area.
-fn normal(around: &[Vector3<f64>]) -> Option<Vector3<f64>> {
-    let first = around[0];
-    let fan = around[1..].windows(2).map(|pair| (pair[0] - first).cross(&(pair[1] - first)));
-    fan.sum::<Vector3<f64>>().try_normalize(0.0)
 }

@@ -3,13 +3,12 @@ use std::path::Path;
 use formwork::cochain::Cochain;
 use formwork::field;
 use formwork::io::npz::{self, Array};
-use formwork::io::{atomic, points};
+use formwork::io::{Format, Frames, atomic, points};
 use formwork::limit::{LimitSurface, SurfacePoint};
 use formwork::topology::{Mesh, SplitKind};
 use nalgebra::Vector3;
 use serde_json::json;
 
-use super::subdivide::read_fields;
 use super::{Outcome, count, progress_bar, size_of};
 use crate::Failure;
 use crate::args::{Evaluate, scheme_name};
@@ -17,12 +16,12 @@ use crate::job::{Job, check_outputs, format_of};
 
 pub fn run(args: &Evaluate) -> Result<Outcome, Failure> {
     let format = format_of(&args.output, &["json", "npz"])?;
-    let job = Job::settle(&args.common)?;
+    let mut job = Job::settle_for(&args.common, Frames::Rest, Some(Format::Json))?;
     let mut inputs = vec![args.common.mesh.as_path()];
     inputs.extend(args.field.as_deref());
     inputs.extend(args.points.as_deref());
     check_outputs(&inputs, std::slice::from_ref(&args.output))?;
-    let fields = read_fields(args.field.as_deref(), &job)?;
+    let fields = job.fields(args.field.as_deref())?;
     let given = args.points.as_deref().map(points::read).transpose()?;
 
     let bar = progress_bar(job.progress, 1, "refining");

@@ -1,9 +1,11 @@
 //! What the commands do, one module each. Every one returns an [`Outcome`]; `main` prints it.
 
+pub mod batch;
 pub mod evaluate;
 pub mod inspect;
 pub mod operators;
 pub mod subdivide;
+mod to_limit;
 pub mod validate;
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
@@ -17,7 +19,7 @@ pub struct Outcome {
     pub json: Value,
     /// What was passed over in the input, one sentence each.
     pub notes: Vec<String>,
-    /// Whether every law that was measured holds.
+    /// Whether every law that was measured holds, or every asset of a batch went well.
     pub holds: bool,
 }
 

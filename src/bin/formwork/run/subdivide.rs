@@ -1,164 +1,107 @@
-use std::path::{Path, PathBuf};
-
-use formwork::field;
-use formwork::hierarchy::{Hierarchy, HierarchyError};
-use formwork::io::fields::{self, Fields};
-use formwork::io::{AtVertices, Positions, Surface, glb, json, npz, obj};
-use formwork::limit::Limit;
+use formwork::cochain::Cochain;
+use formwork::hierarchy::Hierarchy;
+use formwork::io::fields::Fields;
+use formwork::io::{self, Ancestry, Frame, Frames, Pose, Positions, SaveOptions, Saved, Surface};
 use serde_json::json;
 
+use super::to_limit::ToLimit;
 use super::{Outcome, count, progress_bar, size_of, work};
 use crate::Failure;
-use crate::args::{self, Common, scheme_name};
-use crate::job::{Job, check_outputs, format_of};
+use crate::args::{self, Common, Writing, scheme_name};
+use crate::job::{Job, check_outputs};
+
+/// From this sharpness on, OpenSubdiv takes an edge for infinitely sharp.
+const INFINITELY_SHARP: f32 = 10.0;
 
 /// `subdivide` and `limit`: a refined surface, as it is or on its limit.
 pub struct Request {
     command: &'static str,
-    formats: &'static [&'static str],
-    field: Option<PathBuf>,
     levels: u8,
     on_limit: bool,
-    output: PathBuf,
+    writing: Writing,
     common: Common,
 }
 
 impl From<args::Subdivide> for Request {
     fn from(args: args::Subdivide) -> Self {
-        Request {
-            command: "subdivide",
-            formats: &["glb", "json", "obj"],
-            field: args.field,
-            levels: args.levels,
-            on_limit: args.limit,
-            output: args.output,
-            common: args.common,
-        }
+        let args::Subdivide { levels, limit, writing, common } = args;
+        Request { command: "subdivide", levels, on_limit: limit, writing, common }
     }
 }
 
 impl From<args::Limit> for Request {
     fn from(args: args::Limit) -> Self {
-        Request {
-            command: "limit",
-            formats: &["npz", "json", "glb", "obj"],
-            field: args.field,
-            levels: args.level,
-            on_limit: true,
-            output: args.output,
-            common: args.common,
-        }
+        let args::Limit { level, writing, common } = args;
+        Request { command: "limit", levels: level, on_limit: true, writing, common }
     }
 }
 
 pub fn run(args: &Request) -> Result<Outcome, Failure> {
-    let format = format_of(&args.output, args.formats)?;
+    let (writing, mesh_file) = (&args.writing, &args.common.mesh);
+    let format = io::writer(&writing.output)?;
     let levels = usize::from(args.levels);
-    let job = Job::settle(&args.common)?;
-    let mut inputs = vec![args.common.mesh.as_path()];
-    inputs.extend(args.field.as_deref());
-    let mut outputs = vec![args.output.clone()];
-    if format == "obj" && args.field.is_some() {
-        outputs.push(obj::fields_path(&args.output));
-    }
+    let mut job = Job::settle_for(&args.common, writing.frames.unwrap_or(Frames::Rest), Some(format))?;
+    let mut inputs = vec![mesh_file.clone()];
+    inputs.extend(writing.field.clone());
+    inputs.extend(io::companion(mesh_file, false));
+    let mut outputs = vec![writing.output.clone()];
+    outputs.extend(io::companion(&writing.output, writing.field.is_some() || !job.asset.forms.is_empty()));
+    let inputs: Vec<_> = inputs.iter().map(|path| path.as_path()).collect();
     check_outputs(&inputs, &outputs)?;
-    let fields = read_fields(args.field.as_deref(), &job)?;
+    let fields = job.fields(writing.field.as_deref())?;
 
     let bar = progress_bar(job.progress, levels, "refining");
     let hierarchy =
         Hierarchy::with_progress(&job.cage, job.scheme, levels, |level| bar.set_position(work(level)))?;
     bar.set_message("writing ");
-    let positions = hierarchy.subdivide(&job.asset.positions);
-    let refined = Fields {
+    let fields = Fields {
         form0: fields.form0.as_ref().map(|form| hierarchy.subdivide(form)),
         form1: fields.form1.as_ref().map(|form| hierarchy.subdivide(form)),
         form2: fields.form2.as_ref().map(|form| hierarchy.subdivide(form)),
     };
-    let finest = hierarchy.finest();
-    let mut notes = Vec::new();
-    let (positions, refined, at_vertices) = match args.on_limit {
-        false => (positions, refined, None),
-        true => {
-            let (positions, fields, at_vertices, note) = limit(&hierarchy, &positions, &refined)?;
-            notes.extend(note);
-            (positions, fields, Some(at_vertices))
+    // The same operators serve every frame.
+    let limit = args.on_limit.then(|| ToLimit::new(&hierarchy, &fields)).transpose()?;
+    let finish = |time: f64, positions: &Positions| {
+        let positions = hierarchy.subdivide(positions);
+        match &limit {
+            Some(limit) => limit.pose(time, &positions),
+            None => Pose { time, positions, at_vertices: None },
         }
     };
-    let mut surface = Surface::new(levels, finest.mesh(), &positions, &refined, &finest.tags().face_hole)?;
-    if let Some(at_vertices) = at_vertices {
+    let rest = finish(0.0, &job.asset.positions);
+    let frames = job.asset.frames.iter().map(|Frame { time, positions, .. }| finish(*time, positions));
+
+    let finest = hierarchy.finest();
+    // On level 0, holes are tags of the cage like any other.
+    let left_out = match (levels, args.on_limit) {
+        (0, false) => vec![false; finest.mesh().num_faces()],
+        _ => finest.tags().face_hole.clone(),
+    };
+    let sharp = finest.tags().edge_sharpness.iter().map(|&sharpness| sharpness >= INFINITELY_SHARP);
+    let steps = (1..=levels).map(|l| (hierarchy.level(l - 1).mesh(), hierarchy.refinement(l).split()));
+    let refine = |values: &Cochain<0>| {
+        let refined = hierarchy.subdivide(values);
+        match &limit {
+            Some(limit) => limit.values(&refined),
+            None => refined,
+        }
+    };
+    let fields = limit.as_ref().map_or(&fields, ToLimit::forms);
+    let mut surface = Surface::new(levels, finest.mesh(), &rest.positions, fields, &left_out)?
+        .of(&job.asset)
+        .with_sharp_edges(sharp.collect())
+        .with_ancestry(Ancestry::new(steps.collect(), finest.mesh(), &refine))
+        .with_frames(frames.collect())?;
+    if let Some(at_vertices) = rest.at_vertices {
         surface = surface.on_limit(at_vertices);
     }
-    let written = write(format, &args.output, &surface)?;
-    let mut outcome = outcome(args.command, &job, &surface, &written);
-    outcome.notes.extend(notes);
-    if format == "glb" && refined.form2.is_some() {
-        outcome.notes.push("glTF has no place for the 2-form: write .json or .obj to keep it".to_owned());
-    }
+    let saved = io::save(&writing.output, &surface, SaveOptions { tangents: writing.tangents })?;
+    let mut outcome = outcome(args.command, &job, &surface, &saved);
+    outcome.notes.extend(limit.as_ref().and_then(|limit| limit.note()));
     Ok(outcome)
 }
 
-/// The forms on the cage that a file holds. The cage alone is quick to build, and a mistake in the file is then
-/// known before anything is refined.
-pub fn read_fields(path: Option<&Path>, job: &Job) -> Result<Fields, Failure> {
-    Ok(match path {
-        None => Fields::default(),
-        Some(path) => fields::read(path, Hierarchy::new(&job.cage, job.scheme, 0)?.level(0).mesh())?,
-    })
-}
-
-/// Positions and forms of the finest level in the limit, with normals and vectors, and a note on vertices that
-/// have none of their own.
-fn limit(
-    hierarchy: &Hierarchy,
-    positions: &Positions,
-    fields: &Fields,
-) -> Result<(Positions, Fields, AtVertices, Option<String>), HierarchyError> {
-    let mesh = hierarchy.finest().mesh();
-    let (limit, tangents) = Limit::with_tangents(hierarchy, hierarchy.num_levels())?;
-    let on_limit = limit.apply(mesh, positions);
-    let forms = Fields {
-        form0: fields.form0.as_ref().map(|form| limit.apply(mesh, form)),
-        form1: fields.form1.as_ref().map(|form| limit.apply(mesh, form)),
-        form2: fields.form2.as_ref().map(|form| limit.apply(mesh, form)),
-    };
-    let normals = tangents.at_vertices(mesh, &tangents.normals(mesh, positions));
-    let is_bare = |v: usize| normals[v].is_none() && !mesh.vertex_half_edges(v as u32).is_empty();
-    let bare = (0..mesh.num_vertices()).filter(|&v| is_bare(v)).count();
-    let note = (bare > 0).then(|| {
-        let vertices = count(bare, "vertex");
-        format!("{vertices} without a tangent plane (sharp, without sharp edges): normals and vectors there are means of the faces round them")
-    });
-    let flat_normals = field::vertex_normals(mesh, &on_limit);
-    let vectors = fields.form1.as_ref().zip(forms.form1.as_ref()).map(|(form, circulations)| {
-        let of_pairs = tangents.vectors(mesh, positions, form);
-        let flat = field::vertex_vectors(mesh, &field::face_vectors(mesh, &on_limit, circulations));
-        let at_vertices = tangents.at_vertices(mesh, &of_pairs).into_iter().zip(flat);
-        let at_vertices: Vec<_> = at_vertices.map(|(exact, flat)| exact.unwrap_or(flat)).collect();
-        let at_corner = |corner: u32| match tangents.pair_of_corner(corner) {
-            Some(pair) => of_pairs[pair],
-            None => at_vertices[mesh.corner_vertex(corner) as usize],
-        };
-        let at_corners = (0..mesh.num_corners() as u32).map(at_corner).collect();
-        [at_vertices, at_corners]
-    });
-    let unit = |(exact, flat): (Option<nalgebra::Vector3<f64>>, _)| {
-        exact.and_then(|normal| normal.try_normalize(0.0)).unwrap_or(flat)
-    };
-    let normals = normals.into_iter().zip(flat_normals).map(unit).collect();
-    Ok((on_limit, forms, AtVertices { normals, vectors }, note))
-}
-
-fn write(format: &str, path: &Path, surface: &Surface) -> Result<Vec<PathBuf>, Failure> {
-    match format {
-        "obj" => return Ok(obj::write(path, surface)?),
-        "json" => json::write(path, surface)?,
-        "npz" => npz::write_surface(path, surface)?,
-        _ => glb::write(path, surface)?,
-    }
-    Ok(vec![path.to_owned()])
-}
-
-fn outcome(command: &str, job: &Job, surface: &Surface, written: &[PathBuf]) -> Outcome {
+fn outcome(command: &str, job: &Job, surface: &Surface, saved: &Saved) -> Outcome {
     let mesh = surface.mesh();
     let left_out = mesh.num_faces() - surface.faces().len();
     let counts = [
@@ -166,13 +109,17 @@ fn outcome(command: &str, job: &Job, surface: &Surface, written: &[PathBuf]) -> 
         count(surface.edges().len(), "edge"),
         count(surface.faces().len(), "face"),
     ];
-    let mut text = format!("{}, level {}: {}", job.asset.name, surface.level(), counts.join(", "));
+    let mut text = format!("{}, level {}: {}", job.asset.label(), surface.level(), counts.join(", "));
     if left_out > 0 {
         text += &format!(" ({} left out as holes)", count(left_out, "face"));
     }
+    if !surface.frames().is_empty() {
+        text += &format!(", {}", count(surface.frames().len(), "frame"));
+    }
     text.push('\n');
-    for (i, path) in written.iter().enumerate() {
-        let remark = if i == 0 { "" } else { ", the forms: OBJ has no place for them" };
+    for (i, path) in saved.paths.iter().enumerate() {
+        let is_obj = saved.paths[0].extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        let remark = if i > 0 && is_obj { ", the forms: OBJ has no place for them" } else { "" };
         text += &format!("wrote {}{}{remark}\n", path.display(), size_of(path));
     }
     let fields = surface.fields();
@@ -180,6 +127,7 @@ fn outcome(command: &str, job: &Job, surface: &Surface, written: &[PathBuf]) -> 
     let json = json!({
         "command": command,
         "mesh": job.asset.name,
+        "prim": job.asset.prim,
         "scheme": scheme_name(job.scheme),
         "level": surface.level(),
         "vertices": mesh.num_vertices(),
@@ -187,7 +135,9 @@ fn outcome(command: &str, job: &Job, surface: &Surface, written: &[PathBuf]) -> 
         "faces": surface.faces().len(),
         "faces_left_out": left_out,
         "forms": (0..3).filter(|&k| forms[k]).collect::<Vec<usize>>(),
-        "written": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        "frames": surface.frames().iter().map(|pose| pose.time).collect::<Vec<_>>(),
+        "written": saved.paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
     });
-    Outcome { text, json, notes: job.asset.notes.clone(), holds: true }
+    let notes = job.asset.notes.iter().chain(&saved.notes).cloned().collect();
+    Outcome { text, json, notes, holds: true }
 }
