@@ -338,6 +338,129 @@ def gem():
     return mesh
 
 
+def usd(kind, name, values):
+    """One attribute of a USD mesh; triples in brackets of their own."""
+    each = (f"({', '.join(f'{x:g}' for x in v)})" if isinstance(v, tuple) else f"{v:g}" for v in values)
+    return f"{kind}[] {name} = [{', '.join(each)}]"
+
+
+def scene():
+    """A USD stage of two meshes: one moves and has a 1-form, one is left-handed and has tags of every kind."""
+    wave, (m, n) = Mesh(""), (6, 4)
+    for i in range(m + 1):
+        for j in range(n + 1):
+            wave.point((i, j), (i, 0, j))
+    for i in range(m):
+        for j in range(n):
+            wave.face((i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j))
+
+    def points(time):
+        return [(x, round(0.6 * math.sin(1.1 * x + time), 4) + 0.0, z) for x, _, z in wave.points]
+
+    # Along x the circulation grows with z: a shear, which has a curl.
+    along = [round((wave.points[b][0] - wave.points[a][0]) * (1 + wave.points[a][2]) / 4, 4) + 0.0
+             for face in wave.faces for a, b in zip(face, face[1:] + face[:1])]
+    samples = "\n".join(f"            {t + 1}: {usd('', '', points(t)).split('= ')[1]}," for t in range(3))
+    heights = [[y for _, y, _ in points(t)] for t in range(3)]
+    extents = "\n".join(f"            {t + 1}: [(0, {min(h):g}, 0), ({m}, {max(h):g}, {n})]," for t, h in enumerate(heights))
+    crate = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    faces = [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 1, 5, 7, 3, 3, 7, 6, 2, 2, 6, 4, 0]
+    return f"""#usda 1.0
+(
+    "made by assets/make.py"
+    defaultPrim = "Scene"
+    endTimeCode = 3
+    metersPerUnit = 0.01
+    startTimeCode = 1
+    upAxis = "Y"
+)
+
+def Xform "Scene" (
+    kind = "assembly"
+)
+{{
+    def Mesh "Wave" (
+        doc = "Three frames, and a 1-form as signed values of half-edges."
+    )
+    {{
+        float3[] extent.timeSamples = {{
+{extents}
+        }}
+        {usd("int", "faceVertexCounts", [4] * len(wave.faces))}
+        {usd("int", "faceVertexIndices", [v for face in wave.faces for v in face])}
+        point3f[] points.timeSamples = {{
+{samples}
+        }}
+        {usd("float", "primvars:form1", along)} (
+            interpolation = "faceVarying"
+        )
+        uniform token subdivisionScheme = "catmullClark"
+    }}
+
+    def Mesh "Crate" (
+        prepend apiSchemas = ["MaterialBindingAPI"]
+    )
+    {{
+        {usd("int", "cornerIndices", [7])}
+        {usd("float", "cornerSharpnesses", [2.5])}
+        {usd("int", "creaseIndices", [0, 1, 3, 2, 0, 4, 5])}
+        {usd("int", "creaseLengths", [5, 2])}
+        {usd("float", "creaseSharpnesses", [10, 1.5])}
+        {usd("float3", "extent", [(0, 0, 0), (1, 1, 1)])}
+        {usd("int", "faceVertexCounts", [4] * 6)}
+        {usd("int", "faceVertexIndices", faces)}
+        {usd("int", "holeIndices", [4])}
+        uniform token interpolateBoundary = "edgeOnly"
+        rel material:binding = </Scene/Paint>
+        uniform token orientation = "leftHanded"
+        {usd("point3f", "points", crate)}
+        {usd("color3f", "primvars:displayColor", [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 0), (0, 1, 1), (1, 0, 1)])} (
+            interpolation = "uniform"
+        )
+        {usd("texCoord2f", "primvars:st", [(0, 0), (1, 0), (1, 1), (0, 1)] * 6)} (
+            interpolation = "faceVarying"
+        )
+        uniform token subdivisionScheme = "catmullClark"
+        uniform token subsetFamily:materialBind:familyType = "nonOverlapping"
+        double3 xformOp:translate = (8, 0, 1)
+        float xformOp:rotateY = 30
+        uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateY"]
+
+        def GeomSubset "lid" (
+            prepend apiSchemas = ["MaterialBindingAPI"]
+        )
+        {{
+            uniform token elementType = "face"
+            uniform token familyName = "materialBind"
+            {usd("int", "indices", [1, 3])}
+            rel material:binding = </Scene/Paint>
+        }}
+    }}
+
+    def Material "Paint"
+    {{
+        token outputs:surface.connect = </Scene/Paint/Shader.outputs:surface>
+
+        def Shader "Shader"
+        {{
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (0.7, 0.2, 0.1)
+            token outputs:surface
+        }}
+    }}
+
+    def DistantLight "Sun" (
+        customData = {{
+            string note = "kept as it is"
+        }}
+    )
+    {{
+        float inputs:intensity = 2.5
+    }}
+}}
+"""
+
+
 def files():
     box, plate = creased_box(), genus2()
     return {
@@ -350,6 +473,7 @@ def files():
         "fin.obj": fin().obj(),
         "torus.obj": torus().obj(),
         "gem.obj": gem().obj(),
+        "scene.usda": scene(),
     }
 
 

@@ -21,7 +21,7 @@ use crate::topology::{HalfEdge, Mesh};
 /// use formwork::cochain::Cochain;
 /// let sum = Cochain::<0>::zeros(3) + Cochain::<1>::zeros(3);
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cochain<const K: usize, T = f64> {
     values: Vec<T>,
 }

@@ -232,10 +232,11 @@ fn outputs() {
     let refuse = |out: &str, words: &[&str]| {
         bad_arguments(&["subdivide", "cube.obj", "--field", "cube.fields.json", "-o", out], words);
     };
-    refuse("out.stl", &["out.stl: has the extension .stl", "choose .glb, .json, .obj"]);
-    refuse("out.npz", &["choose .glb, .json, .obj"]);
-    refuse("out", &["out: has no extension", "choose .glb, .json, .obj"]);
+    refuse("out.stl", &["out.stl: has the extension .stl", "choose .obj, .json, .glb, .gltf, .usda, .usd"]);
+    refuse("out.npz", &["choose .obj, .json, .glb, .gltf, .usda, .usd"]);
+    refuse("out", &["out: has no extension", "choose .obj, .json, .glb, .gltf, .usda, .usd"]);
     refuse("cube.obj", &["cube.obj: the output would replace the input cube.obj: choose another name"]);
+    refuse("out.usdc", &["out.usdc: has the extension .usdc, which is not written here", "usdcat"]);
     refuse("folder/../cube.obj", &["would replace the input cube.obj"]);
     refuse("cube.fields.json", &["would replace the input cube.fields.json"]);
     refuse("none/out.glb", &["none/out.glb: its directory does not exist: create it first"]);
@@ -318,7 +319,7 @@ fn what_does_not_fit() {
     for out in ["out.glb", "out.json", "out.obj"] {
         refused(
             &[("bad.obj", square.as_bytes())],
-            &["subdivide", "bad.obj", "--levels", "0", "-o", out],
+            &["subdivide", "bad.obj", "--levels", "1", "-o", out],
             &["no face is left to write", "boundary rule"],
         );
     }

@@ -22,6 +22,10 @@ pub enum IoError {
     Fields { file: String, problem: FieldsProblem },
     #[error("{}", topology(file, *line, source))]
     Topology { file: String, line: Option<usize>, source: TopologyError },
+    #[error("{file}: {place}: {problem}")]
+    Content { file: String, place: String, problem: String },
+    #[error("{}: {}: choose {choice}{hint}", path.display(), unknown(path, use_))]
+    Format { path: PathBuf, use_: &'static str, choice: String, hint: &'static str },
     #[error(
         "no face is left to write: every face is a hole or, with the boundary rule `none`, touches the boundary; choose another boundary rule or refine further"
     )]
@@ -38,9 +42,24 @@ impl IoError {
         move |source| IoError::Read { path, source }
     }
 
+    /// Something in a file of many parts: `place` is a prim path, an attribute, a node.
+    pub(crate) fn content(file: &str, place: &str, problem: impl Into<String>) -> IoError {
+        IoError::Content { file: file.to_owned(), place: place.to_owned(), problem: problem.into() }
+    }
+
     pub(crate) fn write(path: &Path) -> impl FnOnce(io::Error) -> IoError {
         let path = path.to_owned();
         move |source| IoError::Write { path, source }
+    }
+}
+
+fn unknown(path: &Path, use_: &str) -> String {
+    match path.extension() {
+        None => "has no extension".to_owned(),
+        Some(extension) => {
+            let extension = extension.to_string_lossy().to_lowercase();
+            format!("has the extension .{extension}, which is not {use_} here")
+        }
     }
 }
 

@@ -239,7 +239,7 @@ fn edges(entries: &[Value], mesh: &Mesh) -> Result<Cochain<1>, FieldsProblem> {
 }
 
 /// Searches from the end with fewer edges: a file may list all the spokes of one large fan.
-fn find(mesh: &Mesh, a: u32, b: u32) -> Option<HalfEdge> {
+pub(super) fn find(mesh: &Mesh, a: u32, b: u32) -> Option<HalfEdge> {
     if mesh.vertex_half_edges(a).len() <= mesh.vertex_half_edges(b).len() {
         mesh.find_half_edge(a, b)
     } else {

@@ -2,13 +2,15 @@
 //!
 //! | module | reads | writes |
 //! |---|---|---|
-//! | [`obj`] | control cages with OpenSubdiv's tags | refined meshes, their forms beside them |
+//! | [`obj`] | meshes with OpenSubdiv's tags | the same, their forms beside them |
+//! | [`json`] | a mesh with its forms and tags | the same |
+//! | [`glb`] | meshes, forms in their extras, as glTF | the same, with its tangent field and arrows |
+//! | [`usd`] | meshes on a stage, with their forms, still or moving | the same, the rest of the stage kept |
 //! | [`fields`] | forms on a mesh | forms on a mesh |
-//! | [`json`] | | a refined mesh with its forms |
-//! | [`glb`] | | a refined mesh, its tangent field and arrows, as binary glTF |
 //! | [`npz`] | | the operators of a hierarchy, for NumPy and SciPy |
 //!
-//! A reader of meshes hands back an [`Asset`], a writer of meshes takes a [`Surface`]. Every file is
+//! [`load`] and [`save`] choose the format of a mesh by the extension of its file. A reader of meshes hands
+//! back an [`Asset`], a writer of meshes takes a [`Surface`]. Every file is
 //! written beside its final name and moved there when complete ([`atomic`]), so that no run leaves half a
 //! file. Every error names the file, the place in it and what to do.
 
@@ -16,14 +18,19 @@ mod asset;
 pub mod atomic;
 mod error;
 pub mod fields;
+mod format;
+mod forms;
 pub mod glb;
 pub mod json;
 pub mod npz;
 pub mod obj;
 mod surface;
+pub mod usd;
 
-pub use asset::{Asset, SourceLines};
+pub use asset::{Asset, Frame, SourceLines};
 pub use error::IoError;
+pub use format::{Format, Frames, LoadOptions, SaveOptions, Saved, companion, load, save, writer};
+pub use forms::{Form1, Forms, SAME_EDGE};
 pub use surface::Surface;
 
 use nalgebra::Vector3;

@@ -1,9 +1,9 @@
 use nalgebra::Vector3;
 
 use super::fields::Fields;
-use super::{IoError, Positions};
+use super::{Asset, IoError, Positions};
 use crate::field;
-use crate::topology::Mesh;
+use crate::topology::{Descriptor, Fan, Mesh};
 
 /// One level of a hierarchy with positions and forms, as its writers see it: the faces that are not left
 /// out, and the edges of those faces. All vertices stay.
@@ -15,6 +15,10 @@ pub struct Surface<'a> {
     face_vectors: Option<Vec<Vector3<f64>>>,
     faces: Vec<u32>,
     edges: Vec<u32>,
+    asset: Option<&'a Asset>,
+    frames: Vec<(f64, Positions)>,
+    sharp_edges: Vec<bool>,
+    control_faces: Vec<u32>,
 }
 
 impl<'a> Surface<'a> {
@@ -54,7 +58,7 @@ impl<'a> Surface<'a> {
         }
         let edges = (0..mesh.num_edges() as u32).filter(|&e| has_face[e as usize]).collect();
 
-        finite("the position of vertex", positions.values(), |x| x.iter().all(|x| x.is_finite()))?;
+        finite_positions(positions)?;
         finite("the value of vertex", values(&fields.form0), |x| x.is_finite())?;
         finite("the value of edge", values(&fields.form1), |x| x.is_finite())?;
         finite("the value of face", values(&fields.form2), |x| x.is_finite())?;
@@ -62,7 +66,137 @@ impl<'a> Surface<'a> {
         finite("the vector of face", face_vectors.as_deref().unwrap_or_default(), |x| {
             x.iter().all(|x| x.is_finite())
         })?;
-        Ok(Surface { level, mesh, positions, fields, face_vectors, faces, edges })
+        Ok(Surface {
+            level,
+            mesh,
+            positions,
+            fields,
+            face_vectors,
+            faces,
+            edges,
+            asset: None,
+            frames: Vec::new(),
+            sharp_edges: Vec::new(),
+            control_faces: Vec::new(),
+        })
+    }
+
+    /// The asset that was refined. On level 0 the surface is its cage: it is written with its tags, and
+    /// then holes are tags like the others. The writer of USD keeps the rest of its stage.
+    ///
+    /// # Panics
+    /// If `left_out` left out faces on level 0: holes belong to the cage.
+    pub fn of(mut self, asset: &'a Asset) -> Self {
+        assert!(self.level > 0 || self.faces.len() == self.mesh.num_faces(), "a cage without its holes");
+        self.asset = Some(asset);
+        self
+    }
+
+    /// Positions of the whole mesh at other times, ascending. They have the forms and the faces of this
+    /// surface.
+    ///
+    /// # Errors
+    /// [`IoError::Overflow`] if a position is not finite.
+    ///
+    /// # Panics
+    /// If the positions do not belong to the mesh.
+    pub fn with_frames(mut self, frames: Vec<(f64, Positions)>) -> Result<Self, IoError> {
+        for (_, positions) in &frames {
+            assert_eq!(positions.len(), self.mesh.num_vertices(), "positions of another mesh");
+            finite_positions(positions)?;
+        }
+        self.frames = frames;
+        Ok(self)
+    }
+
+    /// Edges of the whole mesh over which vectors and normals are not averaged.
+    ///
+    /// # Panics
+    /// If there is not one flag for each edge.
+    pub fn with_sharp_edges(mut self, sharp: Vec<bool>) -> Self {
+        assert_eq!(sharp.len(), self.mesh.num_edges(), "edges of another mesh");
+        self.sharp_edges = sharp;
+        self
+    }
+
+    /// For each face of the whole mesh the face of the cage that it lies in: what a file says of faces
+    /// (materials, values) follows them.
+    ///
+    /// # Panics
+    /// If there is not one for each face.
+    pub fn with_control_faces(mut self, faces: Vec<u32>) -> Self {
+        assert_eq!(faces.len(), self.mesh.num_faces(), "faces of another mesh");
+        self.control_faces = faces;
+        self
+    }
+
+    /// The cage that this surface is, with its tags; `None` if it is refined, or known by its mesh alone.
+    pub fn cage(&self) -> Option<&'a Descriptor> {
+        self.asset.filter(|_| self.level == 0).map(|asset| &asset.descriptor)
+    }
+
+    /// What [`Surface::of`] gave.
+    pub fn asset(&self) -> Option<&'a Asset> {
+        self.asset
+    }
+
+    /// What [`Surface::with_frames`] gave.
+    pub fn frames(&self) -> &[(f64, Positions)] {
+        &self.frames
+    }
+
+    /// What [`Surface::with_control_faces`] gave; empty if nothing was given.
+    pub fn control_faces(&self) -> &[u32] {
+        &self.control_faces
+    }
+
+    /// For each corner of the faces that are written the mean of `of_face` over the faces round its vertex
+    /// that hang together without a sharp edge between them.
+    ///
+    /// # Panics
+    /// If there is not one vector for each face of the mesh.
+    pub fn corner_means(&self, of_face: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+        assert_eq!(of_face.len(), self.mesh.num_faces(), "vectors of another mesh");
+        let mut means = vec![Vector3::zeros(); self.mesh.num_corners()];
+        for fan in (0..self.mesh.num_vertices() as u32).flat_map(|v| self.mesh.fans(v)) {
+            for sector in self.sectors(fan) {
+                let sum: Vector3<f64> =
+                    sector.iter().map(|&c| of_face[self.mesh.corner_face(c) as usize]).sum();
+                for &c in &sector {
+                    means[c as usize] = sum / sector.len() as f64;
+                }
+            }
+        }
+        self.faces.iter().flat_map(|&f| self.mesh.corners(f)).map(|c| means[c as usize]).collect()
+    }
+
+    /// The corners of a fan, cut at its sharp spokes.
+    fn sectors(&self, fan: Fan) -> Vec<Vec<u32>> {
+        let starts = |c: u32| self.is_sharp(self.mesh.corner_half_edge(c).edge());
+        let mut corners = fan.corners.to_vec();
+        if fan.cyclic {
+            let first = corners.iter().position(|&c| starts(c)).unwrap_or(0);
+            corners.rotate_left(first);
+        }
+        let mut sectors: Vec<Vec<u32>> = Vec::new();
+        for c in corners {
+            match sectors.last_mut() {
+                Some(sector) if !starts(c) => sector.push(c),
+                _ => sectors.push(vec![c]),
+            }
+        }
+        sectors
+    }
+
+    fn is_sharp(&self, edge: u32) -> bool {
+        self.sharp_edges.get(edge as usize).copied().unwrap_or(false)
+    }
+
+    /// Whether an edge between two of the faces is sharp, so that vectors and normals have two sides
+    /// there.
+    pub fn is_one_sided(&self) -> bool {
+        let sharp = |&e: &u32| self.is_sharp(e) && !self.mesh.is_boundary_edge(e);
+        self.edges.iter().any(sharp)
     }
 
     /// The level of refinement; 0 is the control cage.
@@ -101,8 +235,22 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// The area vector of each face; a face need not be plane.
+pub(super) fn face_areas(mesh: &Mesh, positions: &Positions) -> Vec<Vector3<f64>> {
+    let area = |f: u32| -> Vector3<f64> {
+        let vertices = mesh.face_vertices(f);
+        let from_first = |v: u32| positions[v as usize] - positions[vertices[0] as usize];
+        vertices[1..].windows(2).map(|pair| from_first(pair[0]).cross(&from_first(pair[1]))).sum()
+    };
+    (0..mesh.num_faces() as u32).map(area).collect()
+}
+
 fn values<const K: usize>(form: &Option<crate::cochain::Cochain<K>>) -> &[f64] {
     form.as_ref().map(|form| form.values()).unwrap_or_default()
+}
+
+fn finite_positions(positions: &Positions) -> Result<(), IoError> {
+    finite("the position of vertex", positions.values(), |x| x.iter().all(|x| x.is_finite()))
 }
 
 fn finite<T>(what: &'static str, values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), IoError> {

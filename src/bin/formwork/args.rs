@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
+use formwork::io::Frames;
+use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
 
@@ -29,22 +31,28 @@ The field file is JSON. Indices start at 0; cells not listed have the value 0:
   {\"edges\": [[a, b, value], ...],    1-form: circulation from vertex a to b
    \"vertices\": [[v, value], ...],    0-form
    \"faces\": [[f, value], ...]}       2-form: flux, counter-clockwise side positive
-Any of the three may be left out. Without --field, only geometry is refined.
+Any of the three may be left out. Without --field, the forms that the mesh file
+holds itself are refined: primvars form0, form1, form2 in USD, extras in glTF.
 
 What is written, by the extension of -o:
-  .glb   triangles with normals; the forms as vertex attributes _FORM0 and
-         _FORM1 (the tangent vector of the 1-form), and a node of line segments
-         that shows the field as arrows; a 2-form has no place there
+  .usda  the stage of the input with the mesh refined in its place, or a stage
+         of its own; forms as primvars, the field as primvars:form1Vector
+  .glb, .gltf  triangles with normals; the forms as vertex attributes _FORM0
+         and _FORM1 (the tangent vector of the 1-form), all of them in extras,
+         and a node of line segments that shows the field as arrows
   .json  everything: positions, polygons, edges, forms, a vector for each face
   .obj   the polygons; OBJ has no place for forms, so they go to a second file,
          X.fields.json beside X.obj, in the format above
-Faces that are holes are left out.
+Faces that are holes are left out. --levels 0 writes the cage itself with its
+tags and holes: that turns one format into another.
 
 Examples:
   formwork subdivide assets/creased_box.obj \\
       --field assets/creased_box.field.json -o box.glb
   formwork subdivide assets/creased_box.obj \\
-      --field assets/creased_box.field.json --levels 2 -o box.obj
+      --field assets/creased_box.field.json --levels 2 -o box.usda
+  formwork subdivide assets/scene.usda --prim /Scene/Wave --frames all -o fine.usda
+  formwork subdivide assets/open_polygons.obj --levels 0 -o open.usda
   formwork subdivide assets/open_polygons.obj --boundary none -o open.json";
 
 const OPERATORS_HELP: &str = "\
@@ -132,15 +140,21 @@ pub struct Inspect {
 
 #[derive(Debug, clap::Args)]
 pub struct Subdivide {
-    /// Forms on the control cage, as JSON
+    /// Forms on the control cage, as JSON, instead of those that the mesh file holds
     #[arg(long, value_name = "FIELD.json")]
     pub field: Option<PathBuf>,
     /// How many times to refine; 0 writes the cage itself
     #[arg(long, short, value_name = "N", default_value_t = 3, value_parser = value_parser!(u8).range(0..=15))]
     pub levels: u8,
-    /// The file to write: .glb, .json or .obj
+    /// The file to write: .usda, .glb, .gltf, .obj or .json
     #[arg(long, short, value_name = "OUT")]
     pub output: PathBuf,
+    /// USD: the time samples to refine: `all`, a range `1:24`, or one time `12.5`
+    #[arg(long, value_name = "TIMES", value_parser = frames)]
+    pub frames: Option<Frames>,
+    /// glTF: also write the direction of the 1-form as TANGENT, for shaders
+    #[arg(long)]
+    pub tangents: bool,
     #[command(flatten)]
     pub common: Common,
 }
@@ -168,9 +182,12 @@ pub struct Validate {
 
 #[derive(Debug, clap::Args)]
 pub struct Common {
-    /// The control cage, an OBJ file; OpenSubdiv's `t` tags in it are read
+    /// The control cage: .obj (with OpenSubdiv's `t` tags), .usda, .usdc, .usdz, .glb, .gltf or .json
     #[arg(value_name = "MESH")]
     pub mesh: PathBuf,
+    /// Which mesh, if the file has several: a prim path in USD, the name or number of a node in glTF
+    #[arg(long, value_name = "NAME")]
+    pub prim: Option<String>,
     /// Print one JSON object on stdout
     #[arg(long)]
     pub json: bool,
@@ -189,7 +206,7 @@ pub struct Common {
     /// Faces are listed clockwise
     #[arg(long)]
     pub left_handed: bool,
-    /// The subdivision scheme [loop if all faces are triangles, else catmark]
+    /// The subdivision scheme [the file's; else loop if all faces are triangles, else catmark]
     #[arg(long, value_name = "NAME", value_parser = choice(SCHEMES))]
     pub scheme: Option<SchemeName>,
     /// catmark: the face weights of 2-forms
@@ -237,10 +254,16 @@ pub enum SchemeName {
 }
 
 impl Common {
-    /// The scheme that was asked for; else Loop's for a mesh of triangles and Catmull-Clark's for any other.
-    pub fn scheme(&self, face_sizes: &[u32]) -> Scheme {
-        let triangles = face_sizes.iter().all(|&size| size == 3);
-        let default = if triangles { SchemeName::Loop } else { SchemeName::Catmark };
+    /// The scheme that was asked for; else the file's; else Loop's for a mesh of triangles and
+    /// Catmull-Clark's for any other.
+    pub fn scheme(&self, of_file: Option<OsdScheme>, face_sizes: &[u32]) -> Scheme {
+        let default = match of_file {
+            Some(OsdScheme::Bilinear) => SchemeName::Bilinear,
+            Some(OsdScheme::Catmark) => SchemeName::Catmark,
+            Some(OsdScheme::Loop) => SchemeName::Loop,
+            None if face_sizes.iter().all(|&size| size == 3) => SchemeName::Loop,
+            None => SchemeName::Catmark,
+        };
         match self.scheme.unwrap_or(default) {
             SchemeName::Catmark => Scheme::Catmark(self.doo_sabin),
             SchemeName::Loop => Scheme::Loop(Variant::Loop, self.half_box),
@@ -266,6 +289,17 @@ pub fn scheme_name(scheme: Scheme) -> &'static str {
 /// The name of a value.
 pub fn name_of<T: PartialEq>(names: Names<T>, value: T) -> &'static str {
     names.iter().find(|(_, named)| *named == value).map_or("?", |(name, _)| name)
+}
+
+/// `all`, `1:24` or `12.5`.
+fn frames(typed: &str) -> Result<Frames, String> {
+    let time = |text: &str| text.parse::<f64>().ok().filter(|time| time.is_finite());
+    let frames = match typed.split_once(':') {
+        _ if typed == "all" => Some(Frames::All),
+        None => time(typed).map(Frames::At),
+        Some((first, last)) => time(first).zip(time(last)).map(|(first, last)| Frames::Range(first, last)),
+    };
+    frames.ok_or_else(|| "write all, two times as 1:24, or one time".to_owned())
 }
 
 fn choice<T: Clone + Send + Sync + 'static>(names: Names<T>) -> impl TypedValueParser<Value = T> {

@@ -4,7 +4,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formwork::io::{Asset, atomic::Draft, obj};
+use formwork::hierarchy::Hierarchy;
+use formwork::io::fields::{self, Fields};
+use formwork::io::{self, Asset, Format, Frames, LoadOptions, atomic::Draft};
 use formwork::scheme::Scheme;
 use formwork::topology::{Cage, CollapseReport, Element};
 
@@ -26,7 +28,16 @@ pub struct Job {
 impl Job {
     /// Loads and checks the cage.
     pub fn settle(common: &Common) -> Result<Self, Failure> {
-        let mut asset = obj::read(&common.mesh)?;
+        Self::settle_for(common, Frames::Rest, None)
+    }
+
+    /// [`Job::settle`], with time samples, for a mesh to be written in a format. A mesh from a USD stage
+    /// stays in its place there if it goes to USD, and is taken out of it if not.
+    pub fn settle_for(common: &Common, frames: Frames, target: Option<Format>) -> Result<Self, Failure> {
+        let mut asset = io::load(&common.mesh, &LoadOptions { prim: common.prim.clone(), frames })?;
+        if let Some(format) = target.filter(|format| !format.is_usd()) {
+            asset.bake(format);
+        }
         asset.descriptor.left_handed |= common.left_handed;
         if let Some(boundary) = common.boundary {
             asset.descriptor.boundary = boundary;
@@ -43,14 +54,35 @@ impl Job {
         };
         let cage = asset.cage()?;
         asset.notes.extend(collapse_note(&collapse));
-        let scheme = common.scheme(&cage.descriptor().face_sizes);
+        let scheme = common.scheme(asset.scheme, &cage.descriptor().face_sizes);
         if let Err(error) = scheme.split(&cage.descriptor().face_sizes) {
             let line = asset.source.line(Element::Face(error.face()));
             let place = line.map_or(String::new(), |line| format!("line {line}: "));
-            return Err(format!("{}: {place}{error} (numbers start at 0)", asset.name).into());
+            return Err(format!("{}: {place}{error} (numbers start at 0)", asset.label()).into());
         }
         let progress = !common.quiet && !common.json;
         Ok(Job { asset, cage, scheme, collapse, progress })
+    }
+
+    /// The forms on the cage: those of a fields file, else those that the mesh brings along.
+    pub fn fields(&mut self, file: Option<&Path>) -> Result<Fields, Failure> {
+        if file.is_none() && self.asset.forms.is_empty() {
+            return Ok(Fields::default());
+        }
+        // The cage alone is quick to build, and a mistake in the field is then known at once.
+        let cage = Hierarchy::new(&self.cage, self.scheme, 0)?;
+        let mesh = cage.level(0).mesh();
+        match file {
+            None => Ok(self.asset.fields(mesh)?),
+            Some(path) => {
+                if !self.asset.forms.is_empty() {
+                    let note =
+                        format!("{} takes the place of the forms in {}", path.display(), self.asset.label());
+                    self.asset.notes.push(note);
+                }
+                Ok(fields::read(path, mesh)?)
+            }
+        }
     }
 }
 

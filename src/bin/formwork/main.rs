@@ -20,6 +20,13 @@ use run::Outcome;
 type Failure = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
+    // A damaged USD file may make its reader panic, which becomes a message like any other.
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if std::thread::current().name() != Some(formwork::io::usd::READER_THREAD) {
+            hook(panic);
+        }
+    }));
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(error) => return usage(&error),

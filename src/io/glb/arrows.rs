@@ -2,6 +2,7 @@ use nalgebra::Vector3;
 
 use crate::field;
 use crate::io::Surface;
+use crate::io::surface::face_areas;
 
 /// The longest arrow, in mean edge lengths: neighbours do not touch.
 const LONGEST: f64 = 0.9;
@@ -32,12 +33,12 @@ pub(super) fn arrows(surface: &Surface, vectors: &[Vector3<f64>]) -> Lines {
     let mean_edge = surface.edges().map(length).sum::<f64>() / surface.edges().len() as f64;
 
     let centres = field::face_centres(mesh, positions);
+    let areas = face_areas(mesh, positions);
     let mut lines = Lines::default();
     for f in surface.faces() {
         // The longest vector may be tiny or huge: divide before multiplying.
         let arrow = vectors[f as usize] / longest * (LONGEST * mean_edge);
-        let around: Vec<_> = mesh.face_vertices(f).iter().map(|&v| positions[v as usize]).collect();
-        let Some(normal) = normal(&around) else { continue };
+        let Some(normal) = areas[f as usize].try_normalize(0.0) else { continue };
         if arrow.norm() == 0.0 {
             continue;
         }
@@ -53,11 +54,4 @@ pub(super) fn arrows(surface: &Surface, vectors: &[Vector3<f64>]) -> Lines {
         lines.indices.extend([0, 1, 1, 2, 1, 3].map(|i| first + i));
     }
     lines
-}
-
-/// The unit normal of a polygon that need not be plane; `None` if it has no area.
-fn normal(around: &[Vector3<f64>]) -> Option<Vector3<f64>> {
-    let first = around[0];
-    let fan = around[1..].windows(2).map(|pair| (pair[0] - first).cross(&(pair[1] - first)));
-    fan.sum::<Vector3<f64>>().try_normalize(0.0)
 }

@@ -3,6 +3,7 @@ use std::borrow::Cow;
 use gltf::binary::{Glb, Header};
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::buffer::{Buffer, Target, View};
+use gltf::json::extras::Extras;
 use gltf::json::material::Material;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::{Checked::Valid, USize64};
@@ -46,6 +47,11 @@ impl Container {
     pub(super) fn vectors(&mut self, vectors: &[[f32; 3]]) -> Index<Accessor> {
         let bytes = vectors.iter().flatten().flat_map(|x| x.to_le_bytes());
         self.accessor(bytes, vectors.len(), Type::Vec3, ComponentType::F32, Target::ArrayBuffer)
+    }
+
+    pub(super) fn tangents(&mut self, tangents: &[[f32; 4]]) -> Index<Accessor> {
+        let bytes = tangents.iter().flatten().flat_map(|x| x.to_le_bytes());
+        self.accessor(bytes, tangents.len(), Type::Vec4, ComponentType::F32, Target::ArrayBuffer)
     }
 
     pub(super) fn scalars(&mut self, scalars: &[f32]) -> Index<Accessor> {
@@ -94,7 +100,7 @@ impl Container {
         })
     }
 
-    /// A node of this name with a mesh of one primitive.
+    /// A node of this name, with these extras and a mesh of one primitive.
     pub(super) fn node(
         &mut self,
         name: &str,
@@ -102,6 +108,7 @@ impl Container {
         indices: Index<Accessor>,
         mode: Mode,
         material: Material,
+        extras: Extras,
     ) {
         let material = self.root.push(material);
         let mesh = self.root.push(Mesh {
@@ -122,18 +129,13 @@ impl Container {
             extensions: None,
             extras: None,
         });
-        let node =
-            self.root.push(Node { name: Some(name.to_owned()), mesh: Some(mesh), ..Default::default() });
-        self.nodes.push(node);
+        let node = Node { name: Some(name.to_owned()), mesh: Some(mesh), extras, ..Default::default() };
+        self.nodes.push(self.root.push(node));
     }
 
     /// The file; `None` if it is longer than the format's 32-bit lengths can say.
     pub(super) fn finish(mut self) -> Option<Glb<'static>> {
-        let nodes = std::mem::take(&mut self.nodes);
-        let scene = self.root.push(Scene { nodes, name: None, extensions: None, extras: None });
-        self.root.scene = Some(scene);
-        self.root.buffers[self.buffer.value()].byte_length = USize64::from(self.bytes.len());
-        let json = self.root.to_vec().ok()?;
+        let json = self.document(None)?;
         // Header, two chunk headers, and up to three bytes of padding for each chunk.
         let length = u32::try_from(json.len() + self.bytes.len() + 12 + 2 * (8 + 3)).ok()?;
         Some(Glb {
@@ -141,5 +143,22 @@ impl Container {
             json: Cow::Owned(json),
             bin: Some(Cow::Owned(self.bytes)),
         })
+    }
+
+    /// The document and, for a file of their own that is called `uri`, its numbers; `None` if those are
+    /// longer than readers expect.
+    pub(super) fn finish_text(mut self, uri: &str) -> Option<(Vec<u8>, Vec<u8>)> {
+        u32::try_from(self.bytes.len()).ok()?;
+        Some((self.document(Some(uri.to_owned()))?, self.bytes))
+    }
+
+    fn document(&mut self, uri: Option<String>) -> Option<Vec<u8>> {
+        let nodes = std::mem::take(&mut self.nodes);
+        let scene = self.root.push(Scene { nodes, name: None, extensions: None, extras: None });
+        self.root.scene = Some(scene);
+        let buffer = &mut self.root.buffers[self.buffer.value()];
+        buffer.byte_length = USize64::from(self.bytes.len());
+        buffer.uri = uri;
+        self.root.to_vec().ok()
     }
 }

@@ -49,7 +49,7 @@ pub fn parse(name: &str, bytes: &[u8]) -> Result<Asset, IoError> {
     descriptor.face_sizes = loaded.face_sizes;
     descriptor.face_vertices = loaded.face_vertices;
     let positions = Cochain::new(loaded.positions);
-    Ok(Asset { name: name.to_owned(), descriptor, positions, source, notes })
+    Ok(Asset { name: name.to_owned(), descriptor, positions, source, notes, ..Default::default() })
 }
 
 #[derive(Default)]

@@ -1,10 +1,13 @@
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::io::atomic::Draft;
 use crate::io::{IoError, Surface, fields};
+use crate::topology::{
+    BoundaryInterpolation, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
+};
 
-/// Writes a refined mesh: `v` and `f` lines, numbers that read back to the same bits.
+/// Writes a mesh: `v` and `f` lines, numbers that read back to the same bits, and the tags of a cage.
 ///
 /// OBJ has no place for forms. If the surface has some, they go to a second file, [`fields_path`], with
 /// the indices of the written mesh. Returns the paths written.
@@ -24,7 +27,10 @@ pub fn write(path: &Path, surface: &Surface) -> Result<Vec<PathBuf>, IoError> {
             }
             writeln!(out)?;
         }
-        Ok(())
+        match surface.cage() {
+            Some(cage) => write_tags(out, cage),
+            None => Ok(()),
+        }
     })?;
     if surface.fields().is_empty() {
         mesh.publish()?;
@@ -36,6 +42,31 @@ pub fn write(path: &Path, surface: &Surface) -> Result<Vec<PathBuf>, IoError> {
     forms.publish()?;
     mesh.publish()?;
     Ok(vec![path.to_owned(), forms_path])
+}
+
+/// One line a tag; options that are what the reader takes for granted are not said.
+fn write_tags(out: &mut impl Write, cage: &Descriptor) -> io::Result<()> {
+    match cage.boundary {
+        BoundaryInterpolation::None => writeln!(out, "t interpolateboundary 1/0/0 0")?,
+        BoundaryInterpolation::EdgeAndCorner => writeln!(out, "t interpolateboundary 1/0/0 1")?,
+        BoundaryInterpolation::EdgeOnly => {}
+    }
+    if cage.creasing == CreasingMethod::Chaikin {
+        writeln!(out, "t creasemethod 0/0/1 chaikin")?;
+    }
+    if cage.triangles == TriangleSubdivision::Smooth {
+        writeln!(out, "t smoothtriangles 0/0/1 smooth")?;
+    }
+    for Crease { vertices: [a, b], sharpness } in &cage.creases {
+        writeln!(out, "t crease 2/1/0 {a} {b} {sharpness}")?;
+    }
+    for Corner { vertex, sharpness } in &cage.corners {
+        writeln!(out, "t corner 1/1/0 {vertex} {sharpness}")?;
+    }
+    for hole in &cage.holes {
+        writeln!(out, "t hole 1/0/0 {hole}")?;
+    }
+    Ok(())
 }
 
 /// Where [`write()`] puts the forms: `box.obj` -> `box.fields.json`.

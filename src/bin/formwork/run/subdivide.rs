@@ -1,34 +1,29 @@
-use std::path::PathBuf;
-
 use formwork::hierarchy::Hierarchy;
-use formwork::io::fields::{self, Fields};
-use formwork::io::{Surface, glb, json, obj};
+use formwork::io::fields::Fields;
+use formwork::io::{self, Frames, SaveOptions, Saved, Surface};
 use serde_json::json;
 
 use super::{Outcome, count, progress_bar, size_of, work};
 use crate::Failure;
 use crate::args::{Subdivide, scheme_name};
-use crate::job::{Job, check_outputs, format_of};
+use crate::job::{Job, check_outputs};
 
-const FORMATS: [&str; 3] = ["glb", "json", "obj"];
+/// From this sharpness on, OpenSubdiv takes an edge for infinitely sharp.
+const INFINITELY_SHARP: f32 = 10.0;
 
 pub fn run(args: &Subdivide) -> Result<Outcome, Failure> {
-    let format = format_of(&args.output, &FORMATS)?;
+    let format = io::writer(&args.output)?;
     let levels = usize::from(args.levels);
-    let job = Job::settle(&args.common)?;
-    let mut inputs = vec![args.common.mesh.as_path()];
-    inputs.extend(args.field.as_deref());
+    let frames = args.frames.unwrap_or(Frames::Rest);
+    let mut job = Job::settle_for(&args.common, frames, Some(format))?;
+    let mut inputs = vec![args.common.mesh.clone()];
+    inputs.extend(args.field.clone());
+    inputs.extend(io::companion(&args.common.mesh, false));
     let mut outputs = vec![args.output.clone()];
-    if format == "obj" && args.field.is_some() {
-        outputs.push(obj::fields_path(&args.output));
-    }
+    outputs.extend(io::companion(&args.output, args.field.is_some() || !job.asset.forms.is_empty()));
+    let inputs: Vec<_> = inputs.iter().map(|path| path.as_path()).collect();
     check_outputs(&inputs, &outputs)?;
-
-    let fields = match &args.field {
-        None => Fields::default(),
-        // The cage alone is quick to build, and a mistake in the field is then known at once.
-        Some(path) => fields::read(path, Hierarchy::new(&job.cage, job.scheme, 0)?.level(0).mesh())?,
-    };
+    let fields = job.fields(args.field.as_deref())?;
 
     let bar = progress_bar(job.progress, levels, "refining");
     let hierarchy =
@@ -41,25 +36,34 @@ pub fn run(args: &Subdivide) -> Result<Outcome, Failure> {
         form2: fields.form2.as_ref().map(|form| hierarchy.subdivide(form)),
     };
     let finest = hierarchy.finest();
-    let surface = Surface::new(levels, finest.mesh(), &positions, &refined, &finest.tags().face_hole)?;
-    let written = write(format, &args.output, &surface)?;
-    let mut outcome = outcome(&job, &surface, &written);
-    if format == "glb" && refined.form2.is_some() {
-        outcome.notes.push("glTF has no place for the 2-form: write .json or .obj to keep it".to_owned());
-    }
-    Ok(outcome)
+    // On level 0, holes are tags of the cage like any other.
+    let left_out = match levels {
+        0 => vec![false; finest.mesh().num_faces()],
+        _ => finest.tags().face_hole.clone(),
+    };
+    let sharp = finest.tags().edge_sharpness.iter().map(|&sharpness| sharpness >= INFINITELY_SHARP);
+    // The same operators serve every frame.
+    let frames = job.asset.frames.iter().map(|f| (f.time, hierarchy.subdivide(&f.positions)));
+    let surface = Surface::new(levels, finest.mesh(), &positions, &refined, &left_out)?
+        .of(&job.asset)
+        .with_sharp_edges(sharp.collect())
+        .with_control_faces(control_faces(&hierarchy))
+        .with_frames(frames.collect())?;
+    let saved = io::save(&args.output, &surface, SaveOptions { tangents: args.tangents })?;
+    Ok(outcome(&job, &surface, &saved))
 }
 
-fn write(format: &str, path: &std::path::Path, surface: &Surface) -> Result<Vec<PathBuf>, Failure> {
-    match format {
-        "obj" => return Ok(obj::write(path, surface)?),
-        "json" => json::write(path, surface)?,
-        _ => glb::write(path, surface)?,
-    }
-    Ok(vec![path.to_owned()])
+/// For each face of the finest level the face of the cage that it lies in.
+fn control_faces(hierarchy: &Hierarchy) -> Vec<u32> {
+    let cage = hierarchy.level(0).mesh();
+    (1..=hierarchy.num_levels()).fold((0..cage.num_faces() as u32).collect(), |control: Vec<u32>, level| {
+        let (parent, split) = (hierarchy.level(level - 1).mesh(), hierarchy.refinement(level).split());
+        let children = 0..hierarchy.level(level).mesh().num_faces();
+        children.map(|child| control[split.face_parent(parent, child) as usize]).collect()
+    })
 }
 
-fn outcome(job: &Job, surface: &Surface, written: &[PathBuf]) -> Outcome {
+fn outcome(job: &Job, surface: &Surface, saved: &Saved) -> Outcome {
     let mesh = surface.mesh();
     let left_out = mesh.num_faces() - surface.faces().len();
     let counts = [
@@ -67,13 +71,17 @@ fn outcome(job: &Job, surface: &Surface, written: &[PathBuf]) -> Outcome {
         count(surface.edges().len(), "edge"),
         count(surface.faces().len(), "face"),
     ];
-    let mut text = format!("{}, level {}: {}", job.asset.name, surface.level(), counts.join(", "));
+    let mut text = format!("{}, level {}: {}", job.asset.label(), surface.level(), counts.join(", "));
     if left_out > 0 {
         text += &format!(" ({} left out as holes)", count(left_out, "face"));
     }
+    if !surface.frames().is_empty() {
+        text += &format!(", {}", count(surface.frames().len(), "frame"));
+    }
     text.push('\n');
-    for (i, path) in written.iter().enumerate() {
-        let remark = if i == 0 { "" } else { ", the forms: OBJ has no place for them" };
+    for (i, path) in saved.paths.iter().enumerate() {
+        let is_obj = saved.paths[0].extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        let remark = if i > 0 && is_obj { ", the forms: OBJ has no place for them" } else { "" };
         text += &format!("wrote {}{}{remark}\n", path.display(), size_of(path));
     }
     let fields = surface.fields();
@@ -81,6 +89,7 @@ fn outcome(job: &Job, surface: &Surface, written: &[PathBuf]) -> Outcome {
     let json = json!({
         "command": "subdivide",
         "mesh": job.asset.name,
+        "prim": job.asset.prim,
         "scheme": scheme_name(job.scheme),
         "level": surface.level(),
         "vertices": mesh.num_vertices(),
@@ -88,7 +97,9 @@ fn outcome(job: &Job, surface: &Surface, written: &[PathBuf]) -> Outcome {
         "faces": surface.faces().len(),
         "faces_left_out": left_out,
         "forms": (0..3).filter(|&k| forms[k]).collect::<Vec<usize>>(),
-        "written": written.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
+        "frames": surface.frames().iter().map(|(time, _)| time).collect::<Vec<_>>(),
+        "written": saved.paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
     });
-    Outcome { text, json, notes: job.asset.notes.clone(), holds: true }
+    let notes = job.asset.notes.iter().chain(&saved.notes).cloned().collect();
+    Outcome { text, json, notes, holds: true }
 }

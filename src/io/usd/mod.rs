@@ -1,0 +1,88 @@
+//! Universal Scene Description: stages as text (`.usda`), binary (`.usdc`) or packed (`.usdz`) in, text out.
+//!
+//! # Read
+//!
+//! One mesh of the stage ([`LoadOptions::prim`](super::LoadOptions) says which if there are several) with
+//! everything that its subdivision depends on: topology, `orientation`, `subdivisionScheme`,
+//! `interpolateBoundary`, `triangleSubdivisionRule`, creases, corners, holes; its transforms and those above
+//! it; time samples of its points. Only the file itself is read: what it composes from others is named in
+//! the notes, and `usdcat --flatten` makes one file of it.
+//!
+//! Forms travel as primvars:
+//!
+//! | primvar | type | interpolation | |
+//! |---|---|---|---|
+//! | `form0` | `float[]` | `vertex` | the 0-form |
+//! | `form1` | `float[]` | `faceVarying` | the circulation of the 1-form from each corner to the next one of its face; the faces of an edge say the same with opposite signs, which is checked |
+//! | `form2` | `float[]` | `uniform` | the 2-form |
+//! | `form1Vector` | `vector3f[]` | `vertex`; `faceVarying` if an edge is sharp | the tangent field, written and not read |
+//!
+//! `double[]` is read too, and kept.
+//!
+//! # Written
+//!
+//! The stage that the mesh came from, the mesh refined in its place: points, topology, normals, extent,
+//! `subdivisionScheme` none; its creases and the like go, values and subsets of faces follow the faces.
+//! Everything else on the stage stays as it is. A mesh from another format gets a stage of its own,
+//! `/Root/surface`. On level 0 a mesh keeps its tags and stays a subdivision surface.
+//!
+//! Binary stages are not written: no crate writes one that Pixar's library opens.
+
+mod build;
+mod container;
+mod crate_check;
+mod follow;
+mod layer;
+mod read;
+mod text;
+mod write;
+mod xform;
+
+pub use container::READER_THREAD;
+pub use read::parse;
+pub use write::write;
+
+use std::fmt;
+
+use nalgebra::{Matrix4, Rotation3, Vector3};
+use openusd::sdf::{Data, Path, Value};
+
+use crate::topology::Descriptor;
+use layer::Prim;
+
+/// A stage, and the mesh on it that was read.
+pub struct Stage {
+    data: Data,
+    prim: Path,
+    /// The cage as it was read.
+    descriptor: Descriptor,
+    /// How many files the package had beside the stage.
+    packed: usize,
+}
+
+impl fmt::Debug for Stage {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "Stage {{ {} specs, {} }}", self.data.len(), self.prim)
+    }
+}
+
+impl Stage {
+    /// From the space of the stage to that of glTF: metres, Y up.
+    pub(super) fn to_gltf(&self) -> Matrix4<f64> {
+        let root = Prim::root(&self.data);
+        let unit = match root.field("metersPerUnit") {
+            Some(Value::Double(unit)) if unit.is_finite() && *unit > 0.0 => *unit,
+            _ => 0.01, // what USD falls back to
+        };
+        let turn = match root.field("upAxis") {
+            Some(Value::Token(axis)) if axis.as_str() == "Z" => {
+                Rotation3::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2).to_homogeneous()
+            }
+            _ => Matrix4::identity(),
+        };
+        Matrix4::new_scaling(unit) * turn
+    }
+}
+
+/// The custom attribute that says `chaikin`, for which USD has no word.
+const CREASING: &str = "formwork:creasingMethod";

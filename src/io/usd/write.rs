@@ -1,0 +1,231 @@
+use std::path::Path;
+
+use nalgebra::Vector3;
+use openusd::sdf::{Data, Value};
+
+use super::build::{Editor, Moving, empty_stage, extent, integers, triples32};
+use super::layer::Prim;
+use super::{CREASING, Stage};
+use super::{follow, text};
+use crate::cochain::Cochain;
+use crate::field;
+use crate::io::forms::file_half_edges;
+use crate::io::{Asset, IoError, Positions, Surface};
+use crate::osd::OsdScheme;
+use crate::topology::{BoundaryInterpolation, CreasingMethod, Descriptor, TriangleSubdivision};
+
+/// What only a subdivision surface has.
+const TAGS: [&str; 9] = [
+    "creaseIndices",
+    "creaseLengths",
+    "creaseSharpnesses",
+    "cornerIndices",
+    "cornerSharpnesses",
+    "holeIndices",
+    "interpolateBoundary",
+    "triangleSubdivisionRule",
+    CREASING,
+];
+
+/// Writes a surface as text: into the stage that its asset is from, or one of its own. Returns what had no
+/// place there, one sentence each.
+///
+/// # Errors
+/// [`IoError::FormatLimit`] if a number does not fit a 32-bit float, [`IoError::Content`] if something on
+/// the stage cannot be said as text; [`IoError::Write`].
+pub fn write(path: &Path, surface: &Surface) -> Result<Vec<String>, IoError> {
+    let asset = surface.asset();
+    let stage = asset.and_then(|asset| asset.stage.as_deref());
+    let mut notes = Vec::new();
+    let (mut data, prim) = match stage {
+        Some(stage) => (stage.data.clone(), stage.prim.clone()),
+        None => empty_stage(),
+    };
+    let mut editor = Editor { data: &mut data, prim };
+    let written = match surface.cage() {
+        Some(cage) => write_cage(&mut editor, surface, cage, stage, asset),
+        None => {
+            if stage.is_some() {
+                notes.extend(follow::refined_faces(&mut editor, surface));
+            }
+            write_refined(&mut editor, surface)
+        }
+    };
+    written.and_then(|()| write_forms(&mut editor, surface)).ok_or_else(|| IoError::FormatLimit {
+        path: path.to_owned(),
+        limit: "a value is too large for the 32-bit floats of USD: write .json or .obj instead",
+    })?;
+    if let (Some(stage), Some(asset)) = (stage, asset) {
+        complete(&mut data, stage);
+        notes.extend(follow::relative_paths(&data, stage, &asset.name, path));
+    }
+    text::write(path, data).map(|()| notes)
+}
+
+/// The cage: what the stage says of it stays, unless it was changed after it was read.
+fn write_cage(
+    editor: &mut Editor,
+    surface: &Surface,
+    cage: &Descriptor,
+    stage: Option<&Stage>,
+    asset: Option<&Asset>,
+) -> Option<()> {
+    if stage.is_none_or(|stage| stage.descriptor != *cage) {
+        let left_handed = cage.left_handed;
+        editor.set("faceVertexCounts", "int[]", integers(cage.face_sizes.iter().copied()));
+        editor.set("faceVertexIndices", "int[]", integers(cage.face_vertices.iter().copied()));
+        let orientation = if left_handed { "leftHanded" } else { "rightHanded" };
+        editor.set("orientation", "token", Value::token(orientation));
+        TAGS.iter().for_each(|tag| editor.remove(tag));
+        write_tags(editor, cage);
+    }
+    let points = triples32(surface.positions().values())?;
+    if stage.is_none() {
+        let triangles = cage.face_sizes.iter().all(|&n| n == 3);
+        let scheme = match asset.and_then(|asset| asset.scheme) {
+            Some(OsdScheme::Bilinear) => "bilinear",
+            Some(OsdScheme::Loop) => "loop",
+            None if triangles => "loop",
+            _ => "catmullClark",
+        };
+        editor.set("subdivisionScheme", "token", Value::token(scheme));
+        editor.set("points", "point3f[]", points.clone());
+    }
+    let prim = Prim { data: editor.data, path: editor.prim.clone() };
+    if prim.attribute("extent").is_none() {
+        editor.set("extent", "float3[]", extent(&points));
+    }
+    Some(())
+}
+
+fn write_tags(editor: &mut Editor, cage: &Descriptor) {
+    let boundary = match cage.boundary {
+        BoundaryInterpolation::None => "none",
+        BoundaryInterpolation::EdgeOnly => "edgeOnly",
+        BoundaryInterpolation::EdgeAndCorner => "edgeAndCorner",
+    };
+    editor.set("interpolateBoundary", "token", Value::token(boundary));
+    if cage.triangles == TriangleSubdivision::Smooth {
+        editor.set("triangleSubdivisionRule", "token", Value::token("smooth"));
+    }
+    if cage.creasing == CreasingMethod::Chaikin {
+        editor.set(CREASING, "token", Value::token("chaikin"));
+        editor.metadata(CREASING, "custom", Value::Bool(true));
+    }
+    if !cage.creases.is_empty() {
+        editor.set("creaseIndices", "int[]", integers(cage.creases.iter().flat_map(|c| c.vertices)));
+        editor.set("creaseLengths", "int[]", integers(cage.creases.iter().map(|_| 2)));
+        let sharpness = cage.creases.iter().map(|c| c.sharpness).collect();
+        editor.set("creaseSharpnesses", "float[]", Value::FloatVec(sharpness));
+    }
+    if !cage.corners.is_empty() {
+        editor.set("cornerIndices", "int[]", integers(cage.corners.iter().map(|c| c.vertex)));
+        let sharpness = cage.corners.iter().map(|c| c.sharpness).collect();
+        editor.set("cornerSharpnesses", "float[]", Value::FloatVec(sharpness));
+    }
+    if !cage.holes.is_empty() {
+        editor.set("holeIndices", "int[]", integers(cage.holes.iter().copied()));
+    }
+}
+
+/// A mesh of polygons, which is what it is to be drawn as.
+fn write_refined(editor: &mut Editor, surface: &Surface) -> Option<()> {
+    let mesh = surface.mesh();
+    TAGS.iter().for_each(|tag| editor.remove(tag));
+    editor.set("subdivisionScheme", "token", Value::token("none"));
+    editor.set("orientation", "token", Value::token("rightHanded"));
+    editor.set("faceVertexCounts", "int[]", integers(surface.faces().map(|f| mesh.face_size(f) as u32)));
+    let vertices = surface.faces().flat_map(|f| mesh.face_vertices(f).iter().copied());
+    editor.set("faceVertexIndices", "int[]", integers(vertices));
+    let points = moving(surface, |positions| triples32(positions.values()))?;
+    let extent = Moving {
+        rest: extent(&points.rest),
+        samples: points.samples.iter().map(|(time, points)| (*time, extent(points))).collect(),
+    };
+    editor.set("points", "point3f[]", points);
+    editor.set("extent", "float3[]", extent);
+
+    let one_sided = surface.is_one_sided();
+    let normals = moving(surface, |positions| match one_sided {
+        false => triples32(&field::vertex_normals(mesh, positions)),
+        true => {
+            let means = surface.corner_means(&crate::io::surface::face_areas(mesh, positions));
+            triples32(&means.iter().map(|n| n.try_normalize(0.0).unwrap_or(Vector3::z())).collect::<Vec<_>>())
+        }
+    })?;
+    editor.remove("primvars:normals");
+    editor.set_primvar("normals", "normal3f[]", if one_sided { "faceVarying" } else { "vertex" }, normals);
+    Some(())
+}
+
+fn write_forms(editor: &mut Editor, surface: &Surface) -> Option<()> {
+    let (mesh, fields) = (surface.mesh(), surface.fields());
+    if let Some(form) = &fields.form0 {
+        set_form(editor, 0, "vertex", form.values().to_vec())?;
+    }
+    if let Some(form) = &fields.form1 {
+        // In the order of the file's corners, which a left-handed cage has its own of.
+        let unturned = Descriptor::default();
+        let descriptor = surface.cage().unwrap_or(&unturned);
+        let half_edges = surface.faces().flat_map(|f| file_half_edges(descriptor, mesh, f));
+        set_form(editor, 1, "faceVarying", half_edges.map(|h| form.along(h)).collect())?;
+        let one_sided = surface.is_one_sided();
+        let vectors = moving(surface, |positions| {
+            let of_face = match std::ptr::eq(positions, surface.positions()) {
+                true => surface.face_vectors().unwrap_or_default().to_vec(),
+                false => field::face_vectors(mesh, positions, form),
+            };
+            match one_sided {
+                false => triples32(&field::vertex_vectors(mesh, &of_face)),
+                true => triples32(&surface.corner_means(&of_face)),
+            }
+        })?;
+        let interpolation = if one_sided { "faceVarying" } else { "vertex" };
+        editor.set_primvar("primvars:form1Vector", "vector3f[]", interpolation, vectors);
+    }
+    if let Some(form) = &fields.form2 {
+        set_form(editor, 2, "uniform", surface.faces().map(|f| form[f as usize]).collect())?;
+    }
+    Some(())
+}
+
+/// In 32 bits, or in 64 where the stage has them so already; `None` if a value overflows.
+fn set_form(editor: &mut Editor, degree: usize, interpolation: &str, values: Vec<f64>) -> Option<()> {
+    let name = format!("primvars:form{degree}");
+    let prim = Prim { data: editor.data, path: editor.prim.clone() };
+    let type_name = prim.attribute(&name).and_then(|spec| spec.get("typeName"));
+    if matches!(type_name, Some(Value::Token(token)) if token.as_str() == "double[]") {
+        editor.set_primvar(&name, "double[]", interpolation, Value::DoubleVec(values));
+        return Some(());
+    }
+    let single = |&x: &f64| Some(x as f32).filter(|x| x.is_finite());
+    let values: Vec<f32> = values.iter().map(single).collect::<Option<_>>()?;
+    editor.set_primvar(&name, "float[]", interpolation, Value::FloatVec(values));
+    Some(())
+}
+
+/// A value that follows from positions, for each frame; the first is the value at rest.
+fn moving(surface: &Surface, value: impl Fn(&Positions) -> Option<Value>) -> Option<Moving> {
+    let sample = |(time, positions): &(f64, Cochain<0, Vector3<f64>>)| Some((*time, value(positions)?));
+    let samples = surface.frames().iter().map(sample).collect::<Option<Vec<_>>>()?;
+    Some(Moving { rest: value(surface.positions())?, samples })
+}
+
+/// What a stage should say and this one does not; what USD assumes then is said.
+fn complete(data: &mut Data, stage: &Stage) {
+    let first = stage.prim.ancestors_below_root().last();
+    let name = first.and_then(|path| path.name().map(str::to_owned)).unwrap_or_default();
+    let root = openusd::sdf::Path::abs_root();
+    if let Some(spec) = data.spec_mut(&root) {
+        let assumed = [
+            ("defaultPrim", Value::token(name)),
+            ("metersPerUnit", Value::Double(0.01)),
+            ("upAxis", Value::token("Y")),
+        ];
+        for (key, value) in assumed {
+            if !spec.contains(key) {
+                spec.add(key, value);
+            }
+        }
+    }
+}
