@@ -44,7 +44,7 @@ def check(path):
             if not valid:
                 errors.append(f"{here}: {reason}")
             extent = mesh.GetExtentAttr().Get(time)
-            if extent is None or not numpy.allclose(extent, [points.min(0), points.max(0)], atol=1e-6):
+            if extent is None or len(extent) != 2 or not numpy.allclose(extent, [points.min(0), points.max(0)], atol=1e-6):
                 errors.append(f"{here}: extent {extent} at {time}")
             normals = mesh.GetNormalsAttr().Get(time)
             if (scheme == "none") != (normals is not None):

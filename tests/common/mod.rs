@@ -1,6 +1,7 @@
 //! What the tests share: the tolerance of exact laws, meshes, and the folder of OpenSubdiv's shapes.
 #![allow(dead_code)] // each test binary uses its own part
 
+pub mod clients;
 pub mod meshes;
 pub mod run;
 pub mod shapes;

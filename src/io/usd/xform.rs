@@ -1,4 +1,4 @@
-use nalgebra::{Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix4, Rotation3, Unit, Vector3};
 use openusd::sdf::Value;
 
 use super::layer::{Prim, When};
@@ -104,7 +104,10 @@ fn operation(kind: &str, value: &Value) -> Option<Matrix4<f64>> {
                 Value::Quath(q) => [q.w, q.x, q.y, q.z].map(|x| x.to_f64()),
                 _ => return None,
             };
-            Some(UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.0)?.to_homogeneous())
+            // As Pixar's library does where the quaternion is not of length 1: the real part is the angle.
+            let axis = Unit::try_new(Vector3::new(x, y, z), 1e-10);
+            let turn = |axis| Rotation3::from_axis_angle(&axis, 2.0 * w.clamp(-1.0, 1.0).acos());
+            Some(axis.map_or_else(Rotation3::identity, turn).to_homogeneous())
         }
         "transform" => match value {
             // USD multiplies rows from the left: its rows are our columns.

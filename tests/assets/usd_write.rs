@@ -1,0 +1,148 @@
+//! Stages that we wrote, opened with Pixar's library.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::common::clients::{check_usd, clients, python, root};
+use crate::common::run::{formwork, object, scratch, succeed};
+
+/// What the check found in the only or the named mesh of a file without errors.
+#[track_caller]
+fn clean(report: &Value, prim: &str) -> Value {
+    assert_eq!(report["errors"], json!([]), "{}", report["file"]);
+    report["meshes"][prim].clone()
+}
+
+/// Each asset, as a cage and refined, with and without forms.
+#[test]
+fn every_stage_is_clean() {
+    let Some(clients) = clients() else { return };
+    let folder = scratch();
+    let mut files = Vec::new();
+    for name in ["creased_box", "open_polygons", "genus2", "high_valence", "fin", "torus", "gem"] {
+        let field = format!("assets/{name}.field.json");
+        for levels in ["0", "1", "2"] {
+            let out = folder.path().join(format!("{name}{levels}.usda"));
+            let mesh = format!("assets/{name}.obj");
+            let mut args = vec!["subdivide", &mesh, "-q", "-l", levels, "-o", out.to_str().unwrap()];
+            if root().join(&field).exists() {
+                args.extend(["--field", &field]);
+            }
+            succeed(root(), &args);
+            files.push(out);
+        }
+    }
+    let files: Vec<&Path> = files.iter().map(|file| file.as_path()).collect();
+    let reports = check_usd(clients, &files);
+    for report in &reports {
+        clean(report, "/Root/surface");
+    }
+    // A smooth surface has one vector a vertex, a creased one has two sides.
+    let interpolation = |i: usize| clean(&reports[i], "/Root/surface")["primvars"]["form1Vector"][1].clone();
+    assert_eq!((interpolation(2), interpolation(8)), (json!("faceVarying"), json!("vertex")));
+    assert_eq!(clean(&reports[0], "/Root/surface")["scheme"], "catmullClark");
+    assert_eq!(clean(&reports[2], "/Root/surface")["scheme"], "none");
+}
+
+/// The check must see what is wrong, or it says nothing.
+#[test]
+fn the_check_sees_errors() {
+    let Some(clients) = clients() else { return };
+    let folder = scratch();
+    let out = folder.path().join("torus.usda");
+    succeed(root(), &["subdivide", "assets/torus.obj", "-l", "1", "-o", out.to_str().unwrap()]);
+    let good = fs::read_to_string(&out).unwrap();
+    for (from, to, error) in [
+        ("faceVertexIndices = [0, ", "faceVertexIndices = [99999, ", "out of range"),
+        ("upAxis = \"Y\"", "", "no upAxis"),
+        ("normal3f[] normals = [", "normal3f[] normals = [(0, 0, 1), ", "normals"),
+        ("float3[] extent = [", "float3[] extent = [(0, 0, 0), ", "extent"),
+    ] {
+        assert!(good.contains(from), "{from}");
+        let bad = folder.path().join("bad.usda");
+        fs::write(&bad, good.replace(from, to)).unwrap();
+        let report = &check_usd(clients, &[&bad])[0];
+        assert!(report["errors"].to_string().contains(error), "{error}: {report}");
+    }
+}
+
+/// A stage of two meshes: one is refined with its frames, then the other; the rest stays.
+#[test]
+fn a_scene_is_refined_in_place() {
+    let Some(clients) = clients() else { return };
+    let folder = scratch();
+    let [wave, both] = ["wave.usda", "both.usda"].map(|name| folder.path().join(name));
+    let scene = root().join("assets/scene.usda");
+    let report = object(
+        folder.path(),
+        &[
+            "subdivide",
+            scene.to_str().unwrap(),
+            "--prim",
+            "/Scene/Wave",
+            "--frames",
+            "all",
+            "-o",
+            "wave.usda",
+            "--json",
+        ],
+    );
+    assert_eq!((&report["frames"], &report["forms"]), (&json!([1.0, 2.0, 3.0]), &json!([1])));
+    let report = object(
+        folder.path(),
+        &["subdivide", "wave.usda", "--prim", "/Scene/Crate", "-l", "2", "-o", "both.usda", "--json"],
+    );
+    assert_eq!(report["notes"], json!(["/Scene/Crate: not refined and therefore left out: primvars:st"]));
+    let reports = check_usd(clients, &[&wave, &both]);
+    assert_eq!(clean(&reports[0], "/Scene/Crate")["scheme"], "catmullClark");
+    let mesh = clean(&reports[1], "/Scene/Wave");
+    assert_eq!(
+        (&mesh["scheme"], &mesh["samples"], &mesh["faces"]),
+        (&json!("none"), &json!(3), &json!(24 * 64))
+    );
+    assert_eq!(clean(&reports[1], "/Scene/Crate")["faces"], 5 * 16);
+    // Colours and the subset of the lid follow the faces; the hole is gone.
+    let script = folder.path().join("look.py");
+    fs::write(
+        &script,
+        "import sys, json\nfrom pxr import Usd, UsdGeom\nstage = Usd.Stage.Open(sys.argv[1])\n\
+         prim = stage.GetPrimAtPath('/Scene/Crate')\n\
+         colours = UsdGeom.PrimvarsAPI(prim).GetPrimvar('displayColor').Get()\n\
+         lid = UsdGeom.Subset(stage.GetPrimAtPath('/Scene/Crate/lid')).GetIndicesAttr().Get()\n\
+         print(json.dumps([[list(c) for c in colours], list(lid)]))\n",
+    )
+    .unwrap();
+    let run = python(clients, script.to_str().unwrap(), &[&both]);
+    let found: Value = serde_json::from_slice(&run.stdout).unwrap();
+    let given = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 0], [1, 0, 1]];
+    let colours: Vec<Value> = given.iter().flat_map(|c| vec![json!(c.map(f64::from)); 16]).collect();
+    assert_eq!(found[0], json!(colours));
+    assert_eq!(found[1], json!((16..32).chain(48..64).collect::<Vec<u32>>()));
+    // Without a name it is not clear which mesh is meant.
+    assert_eq!(formwork(folder.path(), &["inspect", "both.usda"]).status.code(), Some(2));
+}
+
+/// Everything outside the mesh's own attributes: 439 fields of every kind that a layer has.
+#[test]
+fn what_is_not_refined_stays() {
+    let Some(clients) = clients() else { return };
+    let folder = scratch();
+    for extension in ["usda", "usdc"] {
+        let rich = folder.path().join(format!("rich.{extension}"));
+        let run = python(clients, "tests/clients/usd_rich.py", &[&rich]);
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        for levels in ["0", "1"] {
+            let out = folder.path().join(format!("{extension}{levels}.usda"));
+            succeed(
+                folder.path(),
+                &["subdivide", rich.to_str().unwrap(), "-q", "-l", levels, "-o", out.to_str().unwrap()],
+            );
+            let run = python(clients, "tests/clients/usd_rich.py", &[&rich, &out, Path::new("/World/Mesh")]);
+            let said = String::from_utf8_lossy(&run.stdout);
+            assert!(run.status.success(), "{said}{}", String::from_utf8_lossy(&run.stderr));
+            assert!(said.contains("439 fields"), "{said}");
+        }
+    }
+}
