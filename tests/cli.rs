@@ -4,7 +4,7 @@
 mod common;
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 
 use assert_cmd::cargo::cargo_bin;
@@ -121,6 +121,7 @@ fn the_examples_in_the_help_run() {
         &["subdivide", "--help"],
         &["operators", "--help"],
         &["validate", "--help"],
+        &["batch", "--help"],
     ] {
         let help = succeed(&root, command).replace("\\\n", " ");
         let lines = help.lines().map(str::trim).filter(|line| line.starts_with("formwork "));
@@ -132,12 +133,24 @@ fn the_examples_in_the_help_run() {
                 .enumerate()
                 .map(|(i, word)| if i > 0 && words[i - 1] == "-o" { out(word) } else { (*word).to_owned() })
                 .collect();
-            let run = formwork(&root, &args.iter().map(String::as_str).collect::<Vec<_>>());
+            // A batch writes where its manifest says: in a copy of the assets.
+            let place = if words[0] == "batch" { copy_of_assets(folder.path()) } else { root.clone() };
+            let run = formwork(&place, &args.iter().map(String::as_str).collect::<Vec<_>>());
             assert!(run.status.success(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
             examples += 1;
         }
     }
     assert!(examples >= 15, "{examples} examples found");
+}
+
+fn copy_of_assets(folder: &Path) -> PathBuf {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    fs::create_dir_all(folder.join("assets")).unwrap();
+    for entry in fs::read_dir(root.join("assets")).unwrap() {
+        let path = entry.unwrap().path();
+        fs::copy(&path, folder.join("assets").join(path.file_name().unwrap())).unwrap();
+    }
+    folder.to_owned()
 }
 
 /// The default is Loop for triangles and Catmull-Clark for the rest; each scheme keeps its laws.

@@ -1,7 +1,10 @@
 //! What can be typed. Parsed and range-checked here, settled in [`crate::job`].
 
+mod batch;
+
 use std::path::PathBuf;
 
+pub use batch::Batch;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
 use formwork::io::Frames;
@@ -24,7 +27,7 @@ Examples:
 
 `formwork COMMAND --help` tells more. Exit codes: 0 fine, 2 the input or the
 arguments are at fault (one line on stderr says where and what to do), 3 a law
-does not hold.";
+does not hold, 1 some assets of a batch failed.";
 
 const SUBDIVIDE_HELP: &str = "\
 The field file is JSON. Indices start at 0; cells not listed have the value 0:
@@ -119,16 +122,21 @@ pub enum Command {
     /// Measure that the operators commute with d, against OpenSubdiv itself
     #[command(after_help = VALIDATE_HELP)]
     Validate(Validate),
+    /// Refine many assets, failures apart, and go on where the last run stopped
+    #[command(after_help = batch::HELP)]
+    Batch(Batch),
 }
 
 impl Command {
-    pub fn common(&self) -> &Common {
-        match self {
+    /// The options of a command on one mesh.
+    pub fn common(&self) -> Option<&Common> {
+        Some(match self {
+            Command::Batch(_) => return None,
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
             Command::Operators(args) => &args.common,
             Command::Validate(args) => &args.common,
-        }
+        })
     }
 }
 

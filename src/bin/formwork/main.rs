@@ -1,7 +1,7 @@
 //! The command line: arguments -> job -> run. Everything it does is in the library's public API.
 //!
 //! Exit codes: 0 fine, 2 the input, the arguments or a file is at fault (one line on stderr), 3 a law does
-//! not hold.
+//! not hold, 1 some assets of a batch failed.
 
 mod args;
 mod job;
@@ -19,6 +19,9 @@ use run::Outcome;
 /// What ends a run: a message for the user, in one line.
 type Failure = Box<dyn std::error::Error>;
 
+const LAW_BROKEN: u8 = 3;
+const SOME_FAILED: u8 = 1;
+
 fn main() -> ExitCode {
     // A damaged USD file may make its reader panic, which becomes a message like any other.
     let hook = std::panic::take_hook();
@@ -31,17 +34,20 @@ fn main() -> ExitCode {
         Ok(args) => args,
         Err(error) => return usage(&error),
     };
-    let common = args.command.common();
-    let (json, quiet) = (common.json, common.quiet);
+    let (json, quiet, failing) = match (&args.command, args.command.common()) {
+        (Command::Batch(args), _) => (args.json, args.quiet, SOME_FAILED),
+        (_, common) => common.map_or((false, false, LAW_BROKEN), |c| (c.json, c.quiet, LAW_BROKEN)),
+    };
     let outcome = match args.command {
         Command::Inspect(args) => run::inspect::run(&args),
         Command::Subdivide(args) => run::subdivide::run(&args),
         Command::Operators(args) => run::operators::run(&args),
         Command::Validate(args) => run::validate::run(&args),
+        Command::Batch(args) => run::batch::run(&args),
     };
     match outcome.and_then(|outcome| report(&outcome, json, quiet).map(|()| outcome.holds)) {
         Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(3),
+        Ok(false) => ExitCode::from(failing),
         Err(failure) => complain(&failure.to_string()),
     }
 }

@@ -1,5 +1,6 @@
 //! What the commands do, one module each. Every one returns an [`Outcome`]; `main` prints it.
 
+pub mod batch;
 pub mod inspect;
 pub mod operators;
 pub mod subdivide;
@@ -16,7 +17,7 @@ pub struct Outcome {
     pub json: Value,
     /// What was passed over in the input, one sentence each.
     pub notes: Vec<String>,
-    /// Whether every law that was measured holds.
+    /// Whether every law that was measured holds, or every asset of a batch went well.
     pub holds: bool,
 }
 
