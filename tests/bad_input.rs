@@ -275,6 +275,11 @@ fn arguments() {
     bad_arguments(&subdivide(&["--levels", "99"]), &["'99'", "--levels", "0..=15"]);
     bad_arguments(&subdivide(&["--levels", "-1"]), &["-1", "--help"]);
     bad_arguments(&subdivide(&["--levels", "two"]), &["'two'", "--levels"]);
+    bad_arguments(&subdivide(&["--prim", "/A"]), &["cube.obj: --prim: a file of this format holds one mesh"]);
+    bad_arguments(&subdivide(&["--frames", "all"]), &["cube.obj: --frames: only USD files have frames"]);
+    bad_arguments(&subdivide(&["--frames", "1-2"]), &["'1-2'", "--frames", "1:24"]);
+    bad_arguments(&["inspect", "cube.stl"], &["cube.stl: no such file"]);
+    bad_arguments(&["inspect", "cube.fields.json"], &["cube.fields.json: line 1, column ", "not a mesh"]);
     bad_arguments(&subdivide(&["--boundary", "open"]), &["'open'", "none, edge-only, edge-and-corner"]);
     bad_arguments(&subdivide(&["--fields", "x"]), &["'--fields'", "'--field'"]);
     bad_arguments(&["subdivide", "cube.obj"], &["--output <OUT>", "--help"]);

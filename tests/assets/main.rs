@@ -4,6 +4,7 @@
 mod common;
 
 mod batch;
+mod blender;
 mod damaged;
 mod gltf;
 mod round_trips;

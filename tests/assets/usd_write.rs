@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use formwork::io::{Frames, LoadOptions, load};
 use serde_json::{Value, json};
 
 use crate::common::clients::{check_usd, clients, python, root};
@@ -122,6 +123,36 @@ fn a_scene_is_refined_in_place() {
     assert_eq!(found[1], json!((16..32).chain(48..64).collect::<Vec<u32>>()));
     // Without a name it is not clear which mesh is meant.
     assert_eq!(formwork(folder.path(), &["inspect", "both.usda"]).status.code(), Some(2));
+}
+
+/// Topology is refined once for all frames; each is what it is alone, to the bit.
+#[test]
+fn frames_together_are_frames_alone() {
+    let folder = scratch();
+    let scene = root().join("assets/scene.usda").display().to_string();
+    let subdivide = |frames: &str, out: &str| {
+        let args =
+            ["subdivide", &scene, "--prim", "/Scene/Wave", "-l", "2", "-q", "--frames", frames, "-o", out];
+        succeed(folder.path(), &args);
+    };
+    let positions = |x: &formwork::io::Positions| -> Vec<[f32; 3]> {
+        x.values().iter().map(|p| [p.x as f32, p.y as f32, p.z as f32]).collect()
+    };
+    subdivide("all", "all.usda");
+    subdivide("2:9", "late.usda");
+    let read = |name: &str| {
+        let options = LoadOptions { prim: Some("/Scene/Wave".to_owned()), frames: Frames::All };
+        load(&folder.path().join(name), &options).unwrap().frames
+    };
+    let all = read("all.usda");
+    assert_eq!(all.len(), 3);
+    for frame in &all {
+        subdivide(&frame.time.to_string(), "one.json");
+        let alone = load(&folder.path().join("one.json"), &LoadOptions::default()).unwrap();
+        assert_eq!(positions(&frame.positions), positions(&alone.positions), "{}", frame.time);
+    }
+    assert_ne!(all[0].positions, all[1].positions);
+    assert_eq!(read("late.usda"), all[1..]);
 }
 
 /// Everything outside the mesh's own attributes: 439 fields of every kind that a layer has.

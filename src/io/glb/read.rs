@@ -184,7 +184,7 @@ fn add_primitive(
     if let Some(i) = indices.iter().position(|&i| i >= count) {
         return Err(format!("index {i} is {}, but there are {count} vertices: correct it", indices[i]));
     }
-    if primitive.mode() == Mode::Triangles && indices.len() % 3 != 0 {
+    if primitive.mode() == Mode::Triangles && !indices.len().is_multiple_of(3) {
         return Err(format!("has {} indices, which are no triangles: export the file again", indices.len()));
     }
     let triangles: Vec<[u32; 3]> = match primitive.mode() {

@@ -27,7 +27,7 @@ pub fn write(path: &Path, surface: &Surface, options: SaveOptions) -> Result<(),
 /// both paths.
 ///
 /// # Errors
-/// As for [`write`]; neither file is then left half written.
+/// As for [`write()`]; neither file is then left half written.
 pub fn write_text(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Vec<PathBuf>, IoError> {
     let beside = buffer_path(path);
     let name = beside.file_name().unwrap_or_default().to_string_lossy();

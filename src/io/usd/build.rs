@@ -72,12 +72,9 @@ impl Editor<'_> {
 
     pub(super) fn remove(&mut self, name: &str) {
         let removed = self.prim.append_property(name).ok().and_then(|path| self.data.erase_spec(&path));
-        if removed.is_some() {
-            if let Some(Value::TokenVec(names)) =
-                self.data.spec_mut(&self.prim).and_then(|spec| spec.get_mut("propertyChildren"))
-            {
-                names.retain(|listed| listed.as_str() != name);
-            }
+        let children = self.data.spec_mut(&self.prim).and_then(|spec| spec.get_mut("propertyChildren"));
+        if let (Some(_), Some(Value::TokenVec(names))) = (removed, children) {
+            names.retain(|listed| listed.as_str() != name);
         }
     }
 

@@ -14,12 +14,9 @@ use crate::io::Surface;
 const OF_POINTS: [&str; 3] = ["velocities", "accelerations", "faceVaryingLinearInterpolation"];
 
 /// Lets values and subsets of faces follow the faces, and takes out what belongs to vertices and corners
-/// that are no more: names it.
-pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface) -> Vec<String> {
-    let control: Vec<u32> = match surface.control_faces() {
-        [] => Vec::new(),
-        faces => surface.faces().map(|f| faces[f as usize]).collect(),
-    };
+/// that are no more: names it. `control` is the old face of each new one; empty if that is not known, and
+/// then nothing follows.
+pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface, control: &[u32]) -> Vec<String> {
     let mut dropped = Vec::new();
     for name in attributes(editor) {
         let is_form = ["form0", "form1", "form2", "form1Vector", "normals"]
@@ -29,7 +26,7 @@ pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface) -> Vec<Strin
         if OF_POINTS.contains(&name.as_str()) {
             editor.remove(&name);
             dropped.push(name);
-        } else if is_primvar && !follows(editor, &name, &control) {
+        } else if is_primvar && !follows(editor, &name, control) {
             editor.remove(&name);
             editor.remove(&format!("{name}:indices"));
             dropped.push(name);
@@ -53,6 +50,9 @@ pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface) -> Vec<Strin
         .map(|prim| prim.path)
         .collect();
     for path in paths {
+        if control.is_empty() {
+            dropped.push(format!("the faces of {path}"));
+        }
         let indices = path.append_property("indices").ok().and_then(|path| editor.data.spec_mut(&path));
         if let Some(spec) = indices {
             each_value(spec, |value| match value {

@@ -43,10 +43,21 @@ pub fn write(path: &Path, surface: &Surface) -> Result<Vec<String>, IoError> {
     };
     let mut editor = Editor { data: &mut data, prim };
     let written = match surface.cage() {
-        Some(cage) => write_cage(&mut editor, surface, cage, stage, asset),
+        Some(cage) => {
+            // Faces that went, as --collapse lets them, take along what else is said of them.
+            if stage.is_some_and(|stage| stage.descriptor.face_sizes != cage.face_sizes) {
+                notes.extend(follow::refined_faces(&mut editor, surface, &[]));
+            }
+            write_cage(&mut editor, surface, cage, stage, asset)
+        }
         None => {
             if stage.is_some() {
-                notes.extend(follow::refined_faces(&mut editor, surface));
+                let control = surface.control_faces();
+                let control: Vec<u32> = match control.is_empty() {
+                    true => Vec::new(),
+                    false => surface.faces().map(|f| control[f as usize]).collect(),
+                };
+                notes.extend(follow::refined_faces(&mut editor, surface, &control));
             }
             write_refined(&mut editor, surface)
         }
