@@ -101,9 +101,11 @@ impl Asset {
 
     /// Takes the mesh out of its file, to be written as another `format`: its positions go to the space of
     /// the file (for glTF, to metres with Y up, if the file has other units), and what else is there is
-    /// forgotten. Circulations and fluxes do not change. Where the placement mirrors, faces change
+    /// forgotten and named in the notes. Circulations and fluxes do not change. Where the placement mirrors, faces change
     /// their handedness, so that the outside stays outside.
     pub fn bake(&mut self, format: Format) {
+        let behind = self.stage.as_ref().and_then(|stage| stage.left_behind());
+        self.notes.extend(behind.map(|what| format!("left behind in {}: {what}", self.name)));
         let is_gltf = matches!(format, Format::Glb | Format::Gltf);
         if let Some(to_gltf) = self.stage.as_ref().filter(|_| is_gltf).map(|stage| stage.to_gltf()) {
             let all = self.frames.iter_mut().map(|frame| &mut frame.placement);

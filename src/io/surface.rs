@@ -1,3 +1,5 @@
+use std::collections::HashSet;
+
 use nalgebra::Vector3;
 
 use super::fields::Fields;
@@ -227,6 +229,13 @@ impl<'a> Surface<'a> {
     /// The faces that are written, ascending: the `i`-th of them is face `i` of the file.
     pub fn faces(&self) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
         self.faces.iter().copied()
+    }
+
+    /// The faces that are written and are no holes: those of a cage are written as tags.
+    pub fn drawn_faces(&self) -> impl Iterator<Item = u32> + '_ {
+        let holes: HashSet<u32> =
+            self.cage().into_iter().flat_map(|cage| cage.holes.iter().copied()).collect();
+        self.faces().filter(move |f| !holes.contains(f))
     }
 
     /// The edges of the faces that are written, ascending.

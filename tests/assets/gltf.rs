@@ -169,7 +169,7 @@ fn forms_are_read_from_attributes() {
     let text = fs::read_to_string(&path).unwrap().replace("\"formwork\"", "\"other\"");
     fs::write(&path, text).unwrap();
     let read = crate::load(&path);
-    assert!(read.notes[0].contains("_FORM1"), "{:?}", read.notes);
+    assert!(read.notes[1].contains("_FORM1"), "{:?}", read.notes);
     let read = crate::fields(&read);
     assert_eq!(read.form0, fields.form0);
     for (a, b) in read.form1.unwrap().values().iter().zip(fields.form1.unwrap().values()) {

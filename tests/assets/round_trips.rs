@@ -123,6 +123,10 @@ fn usd_to_usd_and_back() {
     let mut placed = given.clone();
     placed.bake(formwork::io::Format::Obj);
     assert_same(&out, &placed, "out.obj");
+    assert!(placed.notes[0].starts_with("left behind in "), "{:?}", placed.notes);
+    for what in ["primvars:st", "material:binding", "/Scene/Crate/lid", "4 other prims"] {
+        assert!(placed.notes[0].contains(what), "{what} in {:?}", placed.notes);
+    }
     let forms = fields::read(&folder.path().join("out.fields.json"), &level0(&out)).unwrap();
     assert_eq!((forms.form0, forms.form2), (values.form0.clone(), values.form2.clone()));
     let (before, after) = (level0(&given), level0(&out));

@@ -261,6 +261,18 @@ pub enum SchemeName {
     Bilinear,
 }
 
+impl SchemeName {
+    /// What OpenSubdiv, and so most files, calls it.
+    pub fn opensubdiv(self) -> Option<OsdScheme> {
+        match self {
+            SchemeName::Catmark => Some(OsdScheme::Catmark),
+            SchemeName::Loop => Some(OsdScheme::Loop),
+            SchemeName::Bilinear => Some(OsdScheme::Bilinear),
+            SchemeName::ModifiedLoop | SchemeName::Whitney => None,
+        }
+    }
+}
+
 impl Common {
     /// The scheme that was asked for; else the file's; else Loop's for a mesh of triangles and
     /// Catmull-Clark's for any other.

@@ -11,7 +11,7 @@ use formwork::scheme::Scheme;
 use formwork::topology::{Cage, CollapseReport, Element};
 
 use crate::Failure;
-use crate::args::Common;
+use crate::args::{Common, SchemeName};
 
 /// A checked cage with everything that decides how it is refined.
 pub struct Job {
@@ -39,6 +39,7 @@ impl Job {
             asset.bake(format);
         }
         asset.descriptor.left_handed |= common.left_handed;
+        asset.scheme = common.scheme.map_or(asset.scheme, SchemeName::opensubdiv);
         if let Some(boundary) = common.boundary {
             asset.descriptor.boundary = boundary;
         }

@@ -35,7 +35,7 @@ pub(super) fn arrows(surface: &Surface, vectors: &[Vector3<f64>]) -> Lines {
     let centres = field::face_centres(mesh, positions);
     let areas = face_areas(mesh, positions);
     let mut lines = Lines::default();
-    for f in surface.faces() {
+    for f in surface.drawn_faces() {
         // The longest vector may be tiny or huge: divide before multiplying.
         let arrow = vectors[f as usize] / longest * (LONGEST * mean_edge);
         let Some(normal) = areas[f as usize].try_normalize(0.0) else { continue };

@@ -150,6 +150,10 @@ fn soup(buffers: &Buffers, node: &Node, notes: &mut Vec<String>) -> Result<Soup,
     if node.skin().is_some() {
         passed_over.insert("the skin: the mesh is read in its rest pose".to_owned());
     }
+    // Our own files are given a material when they are written.
+    if extras_text(node).is_some() {
+        passed_over.remove("the material");
+    }
     if !passed_over.is_empty() {
         let mut list: Vec<String> = passed_over.into_iter().collect();
         list.sort();
@@ -217,6 +221,9 @@ fn add_primitive(
         }
         _ => None,
     };
+    if primitive.material().index().is_some() {
+        passed_over.insert("the material".to_owned());
+    }
     for (semantic, _) in primitive.attributes() {
         let used = match &semantic {
             Semantic::Positions | Semantic::Normals | Semantic::Tangents => true,
@@ -230,6 +237,11 @@ fn add_primitive(
     Ok(())
 }
 
+/// The extras of a node, if ours may be among them.
+fn extras_text<'a>(node: &Node<'a>) -> Option<&'a str> {
+    node.extras().as_ref().map(|extras| extras.get()).filter(|text| text.contains(EXTRAS))
+}
+
 /// What our extras say, if there are some and they fit the triangles: another program may have changed
 /// those and kept the extras.
 fn ours(node: &Node, soup: &Soup, notes: &mut Vec<String>) -> Option<Asset> {
@@ -238,10 +250,7 @@ fn ours(node: &Node, soup: &Soup, notes: &mut Vec<String>) -> Option<Asset> {
         #[serde(rename = "formwork")]
         ours: Option<json::File>,
     }
-    let text = node.extras().as_ref()?.get();
-    if !text.contains(EXTRAS) {
-        return None;
-    }
+    let text = extras_text(node)?;
     let mut refuse = |why: String| {
         notes.push(format!("ignored: the extras of formwork, as {why}; the triangles are read instead"));
         None

@@ -87,8 +87,7 @@ fn build(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Contain
             attributes.push((Semantic::Tangents, glb.tangents(&tangents)));
         }
     }
-    let holes = surface.cage().map_or(&[][..], |cage| &cage.holes);
-    let triangles = fans(surface.faces().filter(|f| !holes.contains(f)).map(|f| mesh.face_vertices(f)));
+    let triangles = fans(surface.drawn_faces().map(|f| mesh.face_vertices(f)));
     if triangles.is_empty() {
         return Err(IoError::NothingToWrite);
     }

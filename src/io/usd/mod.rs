@@ -67,6 +67,33 @@ impl fmt::Debug for Stage {
 }
 
 impl Stage {
+    /// What of the mesh and its stage another format does not get.
+    pub(super) fn left_behind(&self) -> Option<String> {
+        let prim = Prim { data: &self.data, path: self.prim.clone() };
+        let names = match prim.field("propertyChildren") {
+            Some(Value::TokenVec(names)) => names.as_slice(),
+            _ => &[],
+        };
+        let is_read = |name: &str| {
+            read::ATTRIBUTES.contains(&name)
+                || name.starts_with("xformOp")
+                || name.strip_prefix("primvars:").is_some_and(|rest| rest.starts_with("form"))
+        };
+        let mut list: Vec<String> =
+            names.iter().map(|name| name.as_str()).filter(|name| !is_read(name)).map(str::to_owned).collect();
+        list.extend(prim.children().iter().map(|child| child.path.to_string()));
+        let others = Prim::root(&self.data).descendants().into_iter().filter(|other| {
+            let above_or_below = other.path.has_prefix(&self.prim) || self.prim.has_prefix(&other.path);
+            !above_or_below
+        });
+        match others.count() {
+            0 => {}
+            1 => list.push("another prim".to_owned()),
+            count => list.push(format!("{count} other prims")),
+        }
+        (!list.is_empty()).then(|| list.join(", "))
+    }
+
     /// From the space of the stage to that of glTF: metres, Y up.
     pub(super) fn to_gltf(&self) -> Matrix4<f64> {
         let root = Prim::root(&self.data);

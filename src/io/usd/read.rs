@@ -13,6 +13,27 @@ use crate::topology::{
     BoundaryInterpolation, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };
 
+/// What is read of a mesh, forms and transforms apart, or made anew for it.
+pub(super) const ATTRIBUTES: [&str; 17] = [
+    "points",
+    "faceVertexCounts",
+    "faceVertexIndices",
+    "orientation",
+    "subdivisionScheme",
+    "interpolateBoundary",
+    "triangleSubdivisionRule",
+    "creaseIndices",
+    "creaseLengths",
+    "creaseSharpnesses",
+    "cornerIndices",
+    "cornerSharpnesses",
+    "holeIndices",
+    CREASING,
+    "extent",
+    "normals",
+    "doubleSided",
+];
+
 /// Names that a message lists.
 const MAX_NAMES: usize = 6;
 
@@ -52,6 +73,11 @@ pub fn parse(name: &str, bytes: Vec<u8>, options: &LoadOptions) -> Result<Asset,
     asset.descriptor = Descriptor { num_vertices: asset.positions.len(), ..descriptor };
     if options.frames == Frames::Rest && (prim.times("points").len() > 1 || xform::moves(&prim)) {
         notes.push(format!("{path} moves: one state of it is read; --frames takes its time samples"));
+    }
+    for name in ["primvars:form0", "primvars:form1", "primvars:form2"] {
+        if when == When::Rest && prim.times(name).len() > 1 {
+            notes.push(format!("{path}: {name} moves: one state of it is read; --frames takes one time"));
+        }
     }
     if let Some(first) = asset.frames.first() {
         asset.positions = first.positions.clone();

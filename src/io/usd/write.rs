@@ -91,19 +91,26 @@ fn write_cage(
         write_tags(editor, cage);
     }
     let points = triples32(surface.positions().values())?;
-    if stage.is_none() {
-        let triangles = cage.face_sizes.iter().all(|&n| n == 3);
-        let scheme = match asset.and_then(|asset| asset.scheme) {
-            Some(OsdScheme::Bilinear) => "bilinear",
-            Some(OsdScheme::Loop) => "loop",
-            None if triangles => "loop",
-            _ => "catmullClark",
-        };
+    let prim = Prim { data: editor.data, path: editor.prim.clone() };
+    let has_extent = prim.attribute("extent").is_some();
+    let said = prim.token("subdivisionScheme");
+    let triangles = cage.face_sizes.iter().all(|&n| n == 3);
+    let scheme = match asset.and_then(|asset| asset.scheme) {
+        Some(OsdScheme::Bilinear) => Some("bilinear"),
+        Some(OsdScheme::Loop) => Some("loop"),
+        Some(OsdScheme::Catmark) => Some("catmullClark"),
+        None if stage.is_some() => None, // a mesh of polygons stays one
+        None => Some(if triangles { "loop" } else { "catmullClark" }),
+    };
+    if let Some(scheme) =
+        scheme.filter(|&scheme| stage.is_none() || scheme != said.as_deref().unwrap_or("catmullClark"))
+    {
         editor.set("subdivisionScheme", "token", Value::token(scheme));
+    }
+    if stage.is_none() {
         editor.set("points", "point3f[]", points.clone());
     }
-    let prim = Prim { data: editor.data, path: editor.prim.clone() };
-    if prim.attribute("extent").is_none() {
+    if !has_extent {
         editor.set("extent", "float3[]", extent(&points));
     }
     Some(())
