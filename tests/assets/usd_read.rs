@@ -215,25 +215,30 @@ fn forms_are_read_and_checked() {
     let folder = scratch();
     // Two quads side by side; the edge between them runs up in the first and down in the second.
     let d = grid(2, 1, false);
-    let along = |values: [f64; 8]| {
-        let mut mesh = describe("/World/Mesh", &d, &[1.0]);
+    let read = |values: [f64; 8], left_handed| {
+        let mut mesh = describe("/World/Mesh", &Descriptor { left_handed, ..d.clone() }, &[1.0]);
         mesh["form0"] = json!([0.5, 1, 2, 3, 4, 5]);
         mesh["form1"] = json!(values);
         mesh["form2"] = json!([6, -7]);
         let path = write(clients, folder.path(), "forms.usda", &json!({ "meshes": [mesh] }));
         load(&path, &LoadOptions::default()).unwrap()
     };
-    let asset = along([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, -2.0]);
-    let mesh = crate::level0(&asset);
-    let fields = asset.fields(&mesh).unwrap();
-    assert_eq!(fields.form0.unwrap().values(), [0.5, 1.0, 2.0, 3.0, 4.0, 5.0]);
-    assert_eq!(fields.form2.unwrap().values(), [6.0, -7.0]);
-    let form1 = fields.form1.unwrap();
-    let value = |a, b| form1.along(mesh.find_half_edge(a, b).unwrap());
     let [a, b] = [d.face_vertices[1], d.face_vertices[2]];
-    assert_eq!((value(a, b), value(b, a), value(0, 1)), (2.0, -2.0, 1.0));
+    // The values run from corner to corner in the order of the file, however that turns.
+    for left_handed in [false, true] {
+        let asset = read([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, -2.0], left_handed);
+        let mesh = crate::level0(&asset);
+        let fields = asset.fields(&mesh).unwrap();
+        assert_eq!(fields.form0.unwrap().values(), [0.5, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(fields.form2.unwrap().values(), [6.0, -7.0]);
+        let form1 = fields.form1.unwrap();
+        let value = |a, b| form1.along(mesh.find_half_edge(a, b).unwrap());
+        let found = [value(a, b), value(b, a), value(0, 1), value(d.face_vertices[3], 0)];
+        assert_eq!(found, [2.0, -2.0, 1.0, 4.0], "left-handed: {left_handed}");
+    }
 
-    let error = along([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 2.0]).fields(&mesh).unwrap_err().to_string();
+    let asset = read([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 2.0], false);
+    let error = asset.fields(&crate::level0(&asset)).unwrap_err().to_string();
     assert!(error.contains("forms.usda: /World/Mesh: form1 has "), "{error}");
     assert!(error.contains(&format!("from vertex {a} to vertex {b}")) && error.contains("face 1"), "{error}");
 }
