@@ -203,10 +203,16 @@ fn transforms_place_the_mesh() {
     assert!(asset.descriptor.left_handed);
     let there = theirs.transform_point(&before.into()).coords;
     assert!((asset.positions[5] - there).norm() < 1e-12);
-    // In glTF, metres: the unit of this stage is a centimetre.
+    // In glTF, metres with Y up: the unit of this stage is a centimetre.
     let mut asset = load(&path, &LoadOptions::default()).unwrap();
     asset.bake(formwork::io::Format::Glb);
     assert!((asset.positions[5] - there / 100.0).norm() < 1e-12);
+    let mesh = describe("/World/Mesh", &grid(2, 2, false), &[1.0]);
+    let stage = json!({ "up": "Z", "unit": 2.0, "meshes": [mesh] });
+    let mut asset = load(&write(clients, folder.path(), "up.usda", &stage), &LoadOptions::default()).unwrap();
+    let before = asset.positions[5];
+    asset.bake(formwork::io::Format::Glb);
+    assert_eq!(<[f64; 3]>::from(asset.positions[5]), [2.0 * before.x, 2.0 * before.z, -2.0 * before.y]);
 }
 
 #[test]

@@ -44,7 +44,7 @@ pub use write::write;
 
 use std::fmt;
 
-use nalgebra::{Matrix4, Rotation3, Vector3};
+use nalgebra::Matrix4;
 use openusd::sdf::{Data, Path, Value};
 
 use crate::topology::Descriptor;
@@ -103,7 +103,14 @@ impl Stage {
         };
         let turn = match root.field("upAxis") {
             Some(Value::Token(axis)) if axis.as_str() == "Z" => {
-                Rotation3::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2).to_homogeneous()
+                #[rustfmt::skip]
+                let turn = Matrix4::new(
+                    1.0, 0.0, 0.0, 0.0,
+                    0.0, 0.0, 1.0, 0.0,
+                    0.0, -1.0, 0.0, 0.0,
+                    0.0, 0.0, 0.0, 1.0,
+                );
+                turn
             }
             _ => Matrix4::identity(),
         };

@@ -63,7 +63,7 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
         ("extent", format!("{} to {}", point(&low), point(&high))),
         ("rules", rules.map(|(rule, name)| format!("{} {name}", rule.replace('_', "-"))).join(", ")),
     ];
-    let mut text = format!("{}\n\n", job.asset.name);
+    let mut text = format!("{}\n\n", job.asset.label());
     for (name, value) in &rows {
         text += &format!("{name:<14}{value}\n");
     }
