@@ -14,6 +14,7 @@
 //! written beside its final name and moved there when complete ([`atomic`]), so that no run leaves half a
 //! file. Every error names the file, the place in it and what to do.
 
+mod ancestry;
 mod asset;
 pub mod atomic;
 mod error;
@@ -27,6 +28,7 @@ pub mod obj;
 mod surface;
 pub mod usd;
 
+pub use ancestry::Ancestry;
 pub use asset::{Asset, Frame, SourceLines};
 pub use error::IoError;
 pub use format::{Format, Frames, LoadOptions, SaveOptions, Saved, companion, load, save, writer};

@@ -3,7 +3,7 @@ use std::collections::HashSet;
 use nalgebra::Vector3;
 
 use super::fields::Fields;
-use super::{Asset, IoError, Positions};
+use super::{Ancestry, Asset, IoError, Positions};
 use crate::field;
 use crate::topology::{Descriptor, Fan, Mesh};
 
@@ -20,7 +20,7 @@ pub struct Surface<'a> {
     asset: Option<&'a Asset>,
     frames: Vec<(f64, Positions)>,
     sharp_edges: Vec<bool>,
-    control_faces: Vec<u32>,
+    ancestry: Option<Ancestry<'a>>,
 }
 
 impl<'a> Surface<'a> {
@@ -79,7 +79,7 @@ impl<'a> Surface<'a> {
             asset: None,
             frames: Vec::new(),
             sharp_edges: Vec::new(),
-            control_faces: Vec::new(),
+            ancestry: None,
         })
     }
 
@@ -121,14 +121,10 @@ impl<'a> Surface<'a> {
         self
     }
 
-    /// For each face of the whole mesh the face of the cage that it lies in: what a file says of faces
-    /// (materials, values) follows them.
-    ///
-    /// # Panics
-    /// If there is not one for each face.
-    pub fn with_control_faces(mut self, faces: Vec<u32>) -> Self {
-        assert_eq!(faces.len(), self.mesh.num_faces(), "faces of another mesh");
-        self.control_faces = faces;
+    /// How the mesh came from its cage: what a file says of the cage (materials, colours, texture
+    /// coordinates) follows it.
+    pub fn with_ancestry(mut self, ancestry: Ancestry<'a>) -> Self {
+        self.ancestry = Some(ancestry);
         self
     }
 
@@ -147,9 +143,9 @@ impl<'a> Surface<'a> {
         &self.frames
     }
 
-    /// What [`Surface::with_control_faces`] gave; empty if nothing was given.
-    pub fn control_faces(&self) -> &[u32] {
-        &self.control_faces
+    /// What [`Surface::with_ancestry`] gave.
+    pub fn ancestry(&self) -> Option<&Ancestry<'a>> {
+        self.ancestry.as_ref()
     }
 
     /// For each corner of the faces that are written the mean of `of_face` over the faces round its vertex

@@ -95,7 +95,7 @@ fn a_scene_is_refined_in_place() {
         folder.path(),
         &["subdivide", "wave.usda", "--prim", "/Scene/Crate", "-l", "2", "-o", "both.usda", "--json"],
     );
-    assert_eq!(report["notes"], json!(["/Scene/Crate: not refined and therefore left out: primvars:st"]));
+    assert_eq!(report["notes"], json!(["/Scene/Crate: interpolated linearly within each face: primvars:st"]));
     let reports = check_usd(clients, &[&wave, &both]);
     assert_eq!(clean(&reports[0], "/Scene/Crate")["scheme"], "catmullClark");
     let mesh = clean(&reports[1], "/Scene/Wave");
@@ -123,6 +123,60 @@ fn a_scene_is_refined_in_place() {
     assert_eq!(found[1], json!((16..32).chain(48..64).collect::<Vec<u32>>()));
     // Without a name it is not clear which mesh is meant.
     assert_eq!(formwork(folder.path(), &["inspect", "both.usda"]).status.code(), Some(2));
+}
+
+/// Primvars that say where each vertex and corner is, on a left-handed mesh and on triangles: refined, they
+/// must say where the refined ones are. The bilinear scheme makes linear interpolation exact.
+#[test]
+fn other_primvars_are_refined_along() {
+    let folder = scratch();
+    let quads = ("4, 4", "0, 3, 4, 1, 1, 4, 5, 2", "leftHanded");
+    let triangles = ("3, 3, 3", "0, 1, 3, 1, 4, 3, 1, 2, 4", "rightHanded");
+    let points = ["(0, 0, 0)", "(1, 0, 0.5)", "(2, 0, 0)", "(0, 1, 0)", "(1, 1.5, 0)", "(2, 1, 1)"];
+    for (scheme, (counts, indices, orientation)) in
+        [("bilinear", quads), ("catmark", quads), ("whitney", triangles), ("loop", triangles)]
+    {
+        let at = |i: &str| points[i.trim().parse::<usize>().unwrap()];
+        let corners: Vec<&str> = indices.split(',').map(at).collect();
+        let primvar = |name: &str, values: &[&str], interpolation: &str| {
+            let values = values.join(", ");
+            format!("float3[] primvars:{name} = [{values}] ( interpolation = \"{interpolation}\" )\n")
+        };
+        let stage = format!(
+            "#usda 1.0\ndef Mesh \"m\" {{\nint[] faceVertexCounts = [{counts}]\n\
+             int[] faceVertexIndices = [{indices}]\npoint3f[] points = [{}]\n\
+             uniform token orientation = \"{orientation}\"\n{}{}{}{}int[] primvars:shared:indices = [{indices}]\n\
+             int[] primvars:bones = [1, 2, 3, 4, 5, 6] ( interpolation = \"vertex\" )\n}}\n",
+            points.join(", "),
+            primvar("smooth", &points, "vertex"),
+            primvar("linear", &points, "varying"),
+            primvar("corner", &corners, "faceVarying"),
+            primvar("shared", &points, "faceVarying"),
+        );
+        fs::write(folder.path().join("in.usda"), stage).unwrap();
+        let args = ["subdivide", "in.usda", "--scheme", scheme, "-l", "2", "-o", "out.usda", "--json"];
+        let report = object(folder.path(), &args);
+        let notes = [
+            "/m: interpolated linearly within each face: primvars:corner, primvars:shared",
+            "/m: not refined and therefore left out: primvars:bones",
+        ];
+        assert_eq!(report["notes"], json!(notes), "{scheme}");
+        let data = openusd::usda::read_file(folder.path().join("out.usda")).unwrap();
+        let default = |name: &str| {
+            let path = openusd::sdf::path(format!("/m.{name}")).unwrap();
+            data.spec(&path).unwrap_or_else(|| panic!("{name}")).get("default").unwrap().clone()
+        };
+        let vectors = |name: &str| default(name).try_as_vec_3f_vec().unwrap();
+        let points = vectors("points");
+        assert_eq!(vectors("primvars:smooth"), points, "{scheme}");
+        if ["bilinear", "whitney"].contains(&scheme) {
+            assert_eq!(vectors("primvars:linear"), points, "{scheme}");
+            let indices = default("faceVertexIndices").try_as_int_vec().unwrap();
+            let corners: Vec<_> = indices.iter().map(|&i| points[i as usize]).collect();
+            assert_eq!(vectors("primvars:corner"), corners, "{scheme}");
+        }
+        assert_eq!(vectors("primvars:shared"), vectors("primvars:corner"), "{scheme}");
+    }
 }
 
 /// Topology is refined once for all frames; each is what it is alone, to the bit.

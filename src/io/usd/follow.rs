@@ -3,33 +3,39 @@
 
 use std::path::Path as FilePath;
 
-use openusd::sdf::{Data, SpecData, Value};
+use openusd::sdf::{Data, Value};
 
 use super::Stage;
 use super::build::{Editor, integers};
 use super::layer::Prim;
+use super::primvars::{self, Fate, each_value};
 use crate::io::Surface;
 
 /// Attributes of points that are neither primvars nor written anew.
 const OF_POINTS: [&str; 3] = ["velocities", "accelerations", "faceVaryingLinearInterpolation"];
 
-/// Lets values and subsets of faces follow the faces, and takes out what belongs to vertices and corners
-/// that are no more: names it. `control` is the old face of each new one; empty if that is not known, and
-/// then nothing follows.
-pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface, control: &[u32]) -> Vec<String> {
-    let mut dropped = Vec::new();
+/// Lets primvars and subsets of faces follow the refinement, and takes out what cannot: names it. Without an
+/// ancestry only what is constant stays.
+pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface) -> Vec<String> {
+    let (mut dropped, mut linear) = (Vec::new(), Vec::new());
     for name in attributes(editor) {
         let is_form = ["form0", "form1", "form2", "form1Vector", "normals"]
             .iter()
             .any(|form| name.strip_prefix("primvars:") == Some(form));
         let is_primvar = name.starts_with("primvars:") && !name.ends_with(":indices") && !is_form;
-        if OF_POINTS.contains(&name.as_str()) {
-            editor.remove(&name);
-            dropped.push(name);
-        } else if is_primvar && !follows(editor, &name, control) {
-            editor.remove(&name);
-            editor.remove(&format!("{name}:indices"));
-            dropped.push(name);
+        let fate = match is_primvar {
+            true => primvars::refine(editor, &name, surface),
+            false if OF_POINTS.contains(&name.as_str()) => Fate::Lost,
+            false => Fate::Kept,
+        };
+        match fate {
+            Fate::Kept => {}
+            Fate::Linear => linear.push(name),
+            Fate::Lost => {
+                editor.remove(&name);
+                editor.remove(&format!("{name}:indices"));
+                dropped.push(name);
+            }
         }
     }
     for form in ["form0", "form1", "form2", "form1Vector"] {
@@ -49,6 +55,11 @@ pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface, control: &[u
         .filter(|prim| prim.token("elementType").is_none_or(|element| element == "face"))
         .map(|prim| prim.path)
         .collect();
+    let control = surface.ancestry().map(|ancestry| ancestry.control_faces()).unwrap_or_default();
+    let control: Vec<u32> = match control.is_empty() {
+        true => Vec::new(),
+        false => surface.faces().map(|f| control[f as usize]).collect(),
+    };
     for path in paths {
         if control.is_empty() {
             dropped.push(format!("the faces of {path}"));
@@ -65,10 +76,15 @@ pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface, control: &[u
             });
         }
     }
-    match dropped.is_empty() {
-        true => Vec::new(),
-        false => vec![format!("{}: not refined and therefore left out: {}", editor.prim, dropped.join(", "))],
-    }
+    let note = |what: &str, names: Vec<String>| match names.is_empty() {
+        true => None,
+        false => Some(format!("{}: {what}: {}", editor.prim, names.join(", "))),
+    };
+    let notes = [
+        note("interpolated linearly within each face", linear),
+        note("not refined and therefore left out", dropped),
+    ];
+    notes.into_iter().flatten().collect()
 }
 
 fn attributes(editor: &Editor) -> Vec<String> {
@@ -76,88 +92,6 @@ fn attributes(editor: &Editor) -> Vec<String> {
         Some(Value::TokenVec(names)) => names.iter().map(|name| name.as_str().to_owned()).collect(),
         _ => Vec::new(),
     }
-}
-
-/// Whether a primvar still fits: a constant does, a value for each face follows its face.
-fn follows(editor: &mut Editor, name: &str, control: &[u32]) -> bool {
-    let path_of = |name: &str| editor.prim.append_property(name).ok();
-    let (Some(path), Some(index_path)) = (path_of(name), path_of(&format!("{name}:indices"))) else {
-        return false;
-    };
-    let Some(spec) = editor.data.spec(&path) else { return true };
-    let wide = matches!(spec.get("elementSize"), Some(Value::Int(size)) if *size != 1);
-    match spec.get("interpolation") {
-        Some(Value::Token(token)) if token.as_str() == "uniform" && !control.is_empty() && !wide => {}
-        Some(Value::Token(token)) if token.as_str() != "constant" => return false,
-        _ => return true,
-    }
-    let listed = if editor.data.spec(&index_path).is_some() { index_path } else { path };
-    let Some(spec) = editor.data.spec_mut(&listed) else { return false };
-    let mut fits = true;
-    each_value(spec, |value| {
-        pick(value, control).unwrap_or_else(|| {
-            fits = false;
-            value.clone()
-        })
-    });
-    fits
-}
-
-/// Changes the default and every sample of an attribute.
-fn each_value(spec: &mut SpecData, mut change: impl FnMut(&Value) -> Value) {
-    if let Some(value) = spec.get_mut("default") {
-        *value = change(value);
-    }
-    if let Some(Value::TimeSamples(samples)) = spec.get_mut("timeSamples") {
-        for (_, value) in samples {
-            *value = change(value);
-        }
-    }
-}
-
-/// The entries of a list at these places; `None` if it is too short or no list.
-fn pick(value: &Value, places: &[u32]) -> Option<Value> {
-    macro_rules! pick {
-        ($($kind:ident),+) => {
-            match value {
-                $(Value::$kind(v) => {
-                    let at = |&i: &u32| v.get(i as usize).cloned();
-                    Some(Value::$kind(places.iter().map(at).collect::<Option<_>>()?))
-                })+
-                _ => None,
-            }
-        };
-    }
-    pick!(
-        BoolVec,
-        UcharVec,
-        IntVec,
-        UintVec,
-        Int64Vec,
-        Uint64Vec,
-        HalfVec,
-        FloatVec,
-        DoubleVec,
-        StringVec,
-        TokenVec,
-        AssetPathVec,
-        QuathVec,
-        QuatfVec,
-        QuatdVec,
-        Vec2hVec,
-        Vec2fVec,
-        Vec2dVec,
-        Vec2iVec,
-        Vec3hVec,
-        Vec3fVec,
-        Vec3dVec,
-        Vec3iVec,
-        Vec4hVec,
-        Vec4fVec,
-        Vec4dVec,
-        Vec4iVec,
-        Matrix4dVec
-    )
 }
 
 /// A word on paths to other files, which are relative to a folder that may not be that of the output.

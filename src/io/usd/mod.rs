@@ -22,7 +22,9 @@
 //! # Written
 //!
 //! The stage that the mesh came from, the mesh refined in its place: points, topology, normals, extent,
-//! `subdivisionScheme` none; its creases and the like go, values and subsets of faces follow the faces.
+//! `subdivisionScheme` none; its creases and the like go. Other primvars follow: those of vertices are refined
+//! as points are, those of corners (texture coordinates) are interpolated linearly within each face, those of
+//! faces and subsets of faces are handed down.
 //! Everything else on the stage stays as it is. A mesh from another format gets a stage of its own,
 //! `/Root/surface`. On level 0 a mesh keeps its tags and stays a subdivision surface.
 //!
@@ -33,6 +35,7 @@ mod container;
 mod crate_check;
 mod follow;
 mod layer;
+mod primvars;
 mod read;
 mod text;
 mod write;

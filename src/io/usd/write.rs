@@ -46,18 +46,13 @@ pub fn write(path: &Path, surface: &Surface) -> Result<Vec<String>, IoError> {
         Some(cage) => {
             // Faces that went, as --collapse lets them, take along what else is said of them.
             if stage.is_some_and(|stage| stage.descriptor.face_sizes != cage.face_sizes) {
-                notes.extend(follow::refined_faces(&mut editor, surface, &[]));
+                notes.extend(follow::refined_faces(&mut editor, surface));
             }
             write_cage(&mut editor, surface, cage, stage, asset)
         }
         None => {
             if stage.is_some() {
-                let control = surface.control_faces();
-                let control: Vec<u32> = match control.is_empty() {
-                    true => Vec::new(),
-                    false => surface.faces().map(|f| control[f as usize]).collect(),
-                };
-                notes.extend(follow::refined_faces(&mut editor, surface, &control));
+                notes.extend(follow::refined_faces(&mut editor, surface));
             }
             write_refined(&mut editor, surface)
         }

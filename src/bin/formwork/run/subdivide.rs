@@ -1,6 +1,7 @@
+use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::io::fields::Fields;
-use formwork::io::{self, Frames, SaveOptions, Saved, Surface};
+use formwork::io::{self, Ancestry, Frames, SaveOptions, Saved, Surface};
 use serde_json::json;
 
 use super::{Outcome, count, progress_bar, size_of, work};
@@ -44,23 +45,17 @@ pub fn run(args: &Subdivide) -> Result<Outcome, Failure> {
     let sharp = finest.tags().edge_sharpness.iter().map(|&sharpness| sharpness >= INFINITELY_SHARP);
     // The same operators serve every frame.
     let frames = job.asset.frames.iter().map(|f| (f.time, hierarchy.subdivide(&f.positions)));
-    let surface = Surface::new(levels, finest.mesh(), &positions, &refined, &left_out)?
+    let refine = |values: &Cochain<0>| hierarchy.subdivide(values);
+    let mut surface = Surface::new(levels, finest.mesh(), &positions, &refined, &left_out)?
         .of(&job.asset)
         .with_sharp_edges(sharp.collect())
-        .with_control_faces(control_faces(&hierarchy))
         .with_frames(frames.collect())?;
+    if levels > 0 {
+        let steps = (1..=levels).map(|l| (hierarchy.level(l - 1).mesh(), hierarchy.refinement(l).split()));
+        surface = surface.with_ancestry(Ancestry::new(steps.collect(), finest.mesh(), &refine));
+    }
     let saved = io::save(&args.output, &surface, SaveOptions { tangents: args.tangents })?;
     Ok(outcome(&job, &surface, &saved))
-}
-
-/// For each face of the finest level the face of the cage that it lies in.
-fn control_faces(hierarchy: &Hierarchy) -> Vec<u32> {
-    let cage = hierarchy.level(0).mesh();
-    (1..=hierarchy.num_levels()).fold((0..cage.num_faces() as u32).collect(), |control: Vec<u32>, level| {
-        let (parent, split) = (hierarchy.level(level - 1).mesh(), hierarchy.refinement(level).split());
-        let children = 0..hierarchy.level(level).mesh().num_faces();
-        children.map(|child| control[split.face_parent(parent, child) as usize]).collect()
-    })
 }
 
 fn outcome(job: &Job, surface: &Surface, saved: &Saved) -> Outcome {
