@@ -179,6 +179,25 @@ fn other_primvars_are_refined_along() {
     }
 }
 
+/// Faces that a collapse drops take what the stage says of faces by number along, rather than shifting it.
+#[test]
+fn a_collapse_leaves_no_stale_numbers() {
+    let folder = scratch();
+    let stage = "#usda 1.0\ndef Mesh \"m\" {\nint[] faceVertexCounts = [4, 4, 4]\n\
+        int[] faceVertexIndices = [0, 0, 1, 1, 0, 1, 2, 3, 1, 4, 5, 2]\n\
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 0, 0), (2, 1, 0)]\n\
+        float[] primvars:heat = [1, 2, 3] ( interpolation = \"uniform\" )\n\
+        def GeomSubset \"s\" { int[] indices = [1] }\n}\n";
+    fs::write(folder.path().join("in.usda"), stage).unwrap();
+    for levels in ["0", "1"] {
+        let args = ["subdivide", "in.usda", "--collapse", "-l", levels, "-o", "out.usda", "--json"];
+        let notes = object(folder.path(), &args)["notes"].to_string();
+        assert!(notes.contains("left out: primvars:heat, the faces of /m/s"), "{notes}");
+        let text = fs::read_to_string(folder.path().join("out.usda")).unwrap();
+        assert!(!text.contains("heat") && text.contains("int[] indices = []"), "{text}");
+    }
+}
+
 /// Topology is refined once for all frames; each is what it is alone, to the bit.
 #[test]
 fn frames_together_are_frames_alone() {

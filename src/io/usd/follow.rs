@@ -14,17 +14,27 @@ use crate::io::Surface;
 /// Attributes of points that are neither primvars nor written anew.
 const OF_POINTS: [&str; 3] = ["velocities", "accelerations", "faceVaryingLinearInterpolation"];
 
+/// Whether faces went after the stage was read, as --collapse lets them: what the stage says of faces and
+/// corners then goes by other numbers.
+pub(super) fn has_other_faces(surface: &Surface) -> bool {
+    surface.asset().is_some_and(|asset| {
+        let read = asset.stage.as_ref().map(|stage| &stage.descriptor.face_sizes);
+        read.is_some_and(|sizes| *sizes != asset.descriptor.face_sizes)
+    })
+}
+
 /// Lets primvars and subsets of faces follow the refinement, and takes out what cannot: names it. Without an
 /// ancestry only what is constant stays.
 pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface) -> Vec<String> {
     let (mut dropped, mut linear) = (Vec::new(), Vec::new());
+    let ancestry = surface.ancestry().filter(|_| !has_other_faces(surface));
     for name in attributes(editor) {
         let is_form = ["form0", "form1", "form2", "form1Vector", "normals"]
             .iter()
             .any(|form| name.strip_prefix("primvars:") == Some(form));
         let is_primvar = name.starts_with("primvars:") && !name.ends_with(":indices") && !is_form;
         let fate = match is_primvar {
-            true => primvars::refine(editor, &name, surface),
+            true => primvars::refine(editor, &name, surface, ancestry),
             false if OF_POINTS.contains(&name.as_str()) => Fate::Lost,
             false => Fate::Kept,
         };
@@ -55,7 +65,7 @@ pub(super) fn refined_faces(editor: &mut Editor, surface: &Surface) -> Vec<Strin
         .filter(|prim| prim.token("elementType").is_none_or(|element| element == "face"))
         .map(|prim| prim.path)
         .collect();
-    let control = surface.ancestry().map(|ancestry| ancestry.control_faces()).unwrap_or_default();
+    let control = ancestry.map(|ancestry| ancestry.control_faces()).unwrap_or_default();
     let control: Vec<u32> = match control.is_empty() {
         true => Vec::new(),
         false => surface.faces().map(|f| control[f as usize]).collect(),

@@ -21,7 +21,12 @@ pub(super) enum Fate {
 /// Refines a primvar in place: constants stay, values of faces follow their faces, values of vertices are
 /// refined as positions are, values of corners are interpolated linearly. Without an ancestry only constants
 /// fit.
-pub(super) fn refine(editor: &mut Editor, name: &str, surface: &Surface) -> Fate {
+pub(super) fn refine(
+    editor: &mut Editor,
+    name: &str,
+    surface: &Surface,
+    ancestry: Option<&Ancestry>,
+) -> Fate {
     let prim = Prim { data: editor.data, path: editor.prim.clone() };
     let Some(spec) = prim.attribute(name) else { return Fate::Kept };
     let interpolation = match spec.get("interpolation") {
@@ -32,7 +37,7 @@ pub(super) fn refine(editor: &mut Editor, name: &str, surface: &Surface) -> Fate
         return Fate::Kept;
     }
     let wide = matches!(spec.get("elementSize"), Some(Value::Int(size)) if *size != 1);
-    let Some(ancestry) = surface.ancestry().filter(|_| !wide) else { return Fate::Lost };
+    let Some(ancestry) = ancestry.filter(|_| !wide) else { return Fate::Lost };
     let indices = prim.value(&format!("{name}:indices"), When::Rest);
     let paths = [name.to_owned(), format!("{name}:indices")].map(|name| editor.prim.append_property(&name));
     let [Ok(path), Ok(index_path)] = paths else { return Fate::Lost };

@@ -44,8 +44,7 @@ pub fn write(path: &Path, surface: &Surface) -> Result<Vec<String>, IoError> {
     let mut editor = Editor { data: &mut data, prim };
     let written = match surface.cage() {
         Some(cage) => {
-            // Faces that went, as --collapse lets them, take along what else is said of them.
-            if stage.is_some_and(|stage| stage.descriptor.face_sizes != cage.face_sizes) {
+            if follow::has_other_faces(surface) {
                 notes.extend(follow::refined_faces(&mut editor, surface));
             }
             write_cage(&mut editor, surface, cage, stage, asset)
