@@ -94,7 +94,7 @@ impl Asset {
     /// # Panics
     /// If `mesh` is not level 0 of this cage.
     pub fn fields(&self, mesh: &Mesh) -> Result<Fields, IoError> {
-        let fields = self.forms.on(&self.descriptor, mesh, &self.positions);
+        let fields = self.forms.on(&self.descriptor, mesh);
         fields
             .map_err(|problem| IoError::content(&self.name, self.prim.as_deref().unwrap_or("forms"), problem))
     }

@@ -1,6 +1,3 @@
-use nalgebra::Vector3;
-
-use super::Positions;
 use super::fields::{self, Fields};
 use crate::cochain::Cochain;
 use crate::topology::{Descriptor, Mesh};
@@ -25,8 +22,6 @@ pub enum Form1 {
     Corners(Vec<f64>),
     /// `a`, `b` and the circulation from `a` to `b`; edges not listed have 0.
     Edges(Vec<([u32; 2], f64)>),
-    /// A vector at each vertex: along an edge, the mean of both ends.
-    Vectors(Vec<Vector3<f64>>),
 }
 
 /// How far the values of an edge's faces may differ, relative to the larger: a few roundings of the
@@ -44,14 +39,14 @@ impl Forms {
     /// # Errors
     /// What is wrong, in words: a wrong number of values, one that is not finite, the two sides of an
     /// edge that differ, an edge that does not exist.
-    pub fn on(&self, descriptor: &Descriptor, mesh: &Mesh, positions: &Positions) -> Result<Fields, String> {
+    pub fn on(&self, descriptor: &Descriptor, mesh: &Mesh) -> Result<Fields, String> {
         Ok(Fields {
             form0: self
                 .form0
                 .as_ref()
                 .map(|v| cells("form0", "vertex", v, mesh.num_vertices()))
                 .transpose()?,
-            form1: self.form1.as_ref().map(|form| form.on(descriptor, mesh, positions)).transpose()?,
+            form1: self.form1.as_ref().map(|form| form.on(descriptor, mesh)).transpose()?,
             form2: self.form2.as_ref().map(|v| cells("form2", "face", v, mesh.num_faces())).transpose()?,
         })
     }
@@ -74,25 +69,13 @@ fn check(name: &str, cell: &str, values: &[f64], count: usize) -> Result<(), Str
 }
 
 impl Form1 {
-    fn on(&self, d: &Descriptor, mesh: &Mesh, positions: &Positions) -> Result<Cochain<1>, String> {
+    fn on(&self, d: &Descriptor, mesh: &Mesh) -> Result<Cochain<1>, String> {
         match self {
             Form1::Corners(values) => {
                 check("form1", "corner of a face", values, mesh.num_corners())?;
                 on_corners(d, mesh, values)
             }
             Form1::Edges(edges) => on_edges(mesh, edges),
-            Form1::Vectors(vectors) => {
-                if vectors.len() != mesh.num_vertices() {
-                    return Err(format!("form1 has {} vectors: give one for each vertex", vectors.len()));
-                }
-                let along = |&[a, b]: &[u32; 2]| {
-                    let [a, b] = [a as usize, b as usize];
-                    (vectors[a] + vectors[b]).dot(&(positions[b] - positions[a])) / 2.0
-                };
-                let values: Vec<f64> = mesh.edges().iter().map(along).collect();
-                check("form1", "edge", &values, mesh.num_edges())?;
-                Ok(Cochain::new(values))
-            }
         }
     }
 }

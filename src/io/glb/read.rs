@@ -1,4 +1,4 @@
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 use gltf::accessor::{DataType, Dimensions};
@@ -304,9 +304,21 @@ fn welded(soup: &Soup, notes: &mut Vec<String>) -> Asset {
     let descriptor = Descriptor {
         num_vertices: welded.positions.len(),
         face_sizes: vec![3; welded.triangles.len() / 3],
-        face_vertices: welded.triangles,
+        face_vertices: welded.triangles.clone(),
         ..Default::default()
     };
-    let forms = Forms { form0: welded.form0, form1: welded.form1.map(Form1::Vectors), form2: None };
+    let form1 = welded.form1.as_ref().map(|vectors| {
+        let sides =
+            descriptor.face_vertices.chunks_exact(3).flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+        let edges: BTreeSet<[u32; 2]> = sides.map(|[a, b]| [a.min(b), a.max(b)]).collect();
+        let along = |[a, b]: [u32; 2]| {
+            let [i, j] = [a as usize, b as usize];
+            let circulation =
+                (vectors[i] + vectors[j]).dot(&(welded.positions[j] - welded.positions[i])) / 2.0;
+            ([a, b], circulation)
+        };
+        Form1::Edges(edges.into_iter().map(along).collect())
+    });
+    let forms = Forms { form0: welded.form0, form1, form2: None };
     Asset { descriptor, positions: Cochain::new(welded.positions), forms, ..Default::default() }
 }
