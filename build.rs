@@ -10,13 +10,14 @@ use std::process::exit;
 
 fn main() {
     println!("cargo:rerun-if-env-changed=OPENSUBDIV_ROOT");
-    for file in ["build.rs", "src/osd/bridge.rs", "cpp/refiner.h", "cpp/refiner.cpp", "cpp/evaluate.cpp"] {
+    let sources = ["cpp/refiner.cpp", "cpp/evaluate.cpp", "cpp/bfr.cpp"];
+    for file in ["build.rs", "src/osd/bridge.rs", "cpp/refiner.h", "cpp/bfr.h"].iter().chain(&sources) {
         println!("cargo:rerun-if-changed={file}");
     }
 
     let root = env::var_os("OPENSUBDIV_ROOT").map(PathBuf::from);
     let mut build = cxx_build::bridge("src/osd/bridge.rs");
-    build.files(["cpp/refiner.cpp", "cpp/evaluate.cpp"]).include(".").std("c++17");
+    build.files(sources).include(".").std("c++17");
     // OpenSubdiv's headers hold assertions that its release library was built without.
     build.define("NDEBUG", None);
     let include = root.as_ref().map(|root| root.join("include"));

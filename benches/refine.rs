@@ -3,21 +3,17 @@
 //! `cargo bench` prints criterion's figures for one step, then three tables: the cascade of three levels
 //! as ratios to OpenSubdiv in the same run, the time per face at three sizes, and the peak memory.
 
-use std::hint::black_box;
-use std::time::{Duration, Instant};
+mod common;
 
+use std::hint::black_box;
+
+use common::{RUNS, Random, meshes, paired};
 use criterion::Criterion;
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::{OsdScheme, Refiner};
 use formwork::scheme::Scheme;
 use formwork::topology::{Cage, Crease, Descriptor};
-
-#[path = "../tests/common/meshes.rs"]
-#[allow(dead_code)]
-mod meshes;
-
-const RUNS: usize = 5;
 
 fn main() {
     let mut criterion = Criterion::default().sample_size(10).configure_from_args();
@@ -47,19 +43,15 @@ fn regular(side: u32) -> Cage {
 /// A grid with two cells in eight cut into triangles, one in eight merged where it can be, none missing,
 /// and one edge in fifty creased.
 fn irregular(side: u32) -> Cage {
-    let mut state = 1u32;
-    let mut random = |below: u32| {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) % below
-    };
-    let cuts: Vec<u8> = (0..side * side).map(|_| 1 + random(7) as u8).collect();
+    let mut random = Random::new();
+    let cuts: Vec<u8> = (0..side * side).map(|_| 1 + random.below(7) as u8).collect();
     let mut d: Descriptor = meshes::cut_grid(side, side, false, &cuts);
     let mut start = 0;
     for &size in &d.face_sizes {
         let edge = [d.face_vertices[start], d.face_vertices[start + 1]];
         start += size as usize;
-        if random(25) == 0 {
-            d.creases.push(Crease { vertices: edge, sharpness: [1.5, 10.0][random(2) as usize] });
+        if random.below(25) == 0 {
+            d.creases.push(Crease { vertices: edge, sharpness: [1.5, 10.0][random.below(2) as usize] });
         }
     }
     Cage::new(d).unwrap()
@@ -134,23 +126,6 @@ fn per_face(cage: &Cage) {
     let faces = hierarchy.finest().mesh().num_faces();
     let [hierarchy, matrices, apply] = times.map(|ms| ms * 1e6 / faces as f64);
     println!("{faces:>12} {hierarchy:>10.0} {matrices:>16.0} {apply:>12.1}");
-}
-
-/// Times the tasks in turn, over and over, so that a drift of the machine meets all alike; medians in
-/// milliseconds.
-fn paired<const N: usize>(mut tasks: [&mut dyn FnMut(); N]) -> [f64; N] {
-    let mut times = [const { Vec::new() }; N];
-    for _ in 0..RUNS {
-        for (task, times) in tasks.iter_mut().zip(&mut times) {
-            let start = Instant::now();
-            task();
-            times.push(start.elapsed());
-        }
-    }
-    times.map(|mut times: Vec<Duration>| {
-        times.sort_unstable();
-        times[RUNS / 2].as_secs_f64() * 1e3
-    })
 }
 
 fn peak_memory() -> Option<u64> {

@@ -1,7 +1,7 @@
 //! Vector fields and normals on an embedded mesh.
 //!
-//! A 1-form becomes a tangent vector through the metric of the embedded face ("sharp"): `V` with
-//! `V . X = omega(X)` for every tangent `X`. Lengths are in the units of the positions: where `omega` has
+//! A 1-form becomes a tangent vector through the metric: `V` with `V . X = omega(X)` for every tangent `X`.
+//! [`sharp`] and [`flat`] do that for any two tangents, [`face_vectors`] for those of flat faces. Lengths are in the units of the positions: where `omega` has
 //! circulations in U, vectors are in U per length.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
@@ -39,7 +39,7 @@ fn triangle_vector(mesh: &Mesh, x: &Positions, form: &Cochain<1>, edges: [HalfEd
     let [ab, bc, ca] = edges.map(|h| form.along(h));
     let third = (ab + bc + ca) / 3.0;
     let [t1, t2] = [edges[0], edges[2].twin()].map(|h| edge_vector(mesh, x, h));
-    sharp(t1, t2, ab - third, third - ca)
+    sharp([t1, t2], [ab - third, third - ca])
 }
 
 /// At `s = t = 1/2`, `omega(d/ds)` is the mean of the two opposite edges, and so is `d/ds` itself.
@@ -50,7 +50,7 @@ fn quad_vector(mesh: &Mesh, x: &Positions, form: &Cochain<1>, edges: [HalfEdge; 
     };
     let (ts, omega_s) = mean(bottom, top.twin());
     let (tt, omega_t) = mean(right, left.twin());
-    sharp(ts, tt, omega_s, omega_t)
+    sharp([ts, tt], [omega_s, omega_t])
 }
 
 /// Least squares over the directions from the centre to the vertices, whose values are lifted to the
@@ -79,18 +79,34 @@ fn polygon_vector(mesh: &Mesh, x: &Positions, form: &Cochain<1>, edges: &[HalfEd
     }
 }
 
-/// `V = g^ij omega_j T_i` with `g_ij = T_i . T_j`; 0 if the tangents are parallel.
-fn sharp(t1: Vector3<f64>, t2: Vector3<f64>, omega1: f64, omega2: f64) -> Vector3<f64> {
-    let metric = Matrix2::new(t1.dot(&t1), t1.dot(&t2), t1.dot(&t2), t2.dot(&t2));
-    match solve(metric, Vector2::new(omega1, omega2)) {
-        Some(v) => t1 * v.x + t2 * v.y,
-        None => Vector3::zeros(),
+/// The first fundamental form of two tangents, `g_ij = T_i . T_j`.
+pub fn first_fundamental_form([t1, t2]: [Vector3<f64>; 2]) -> Matrix2<f64> {
+    Matrix2::new(t1.dot(&t1), t1.dot(&t2), t1.dot(&t2), t2.dot(&t2))
+}
+
+/// The tangent vector of a covector: `V = g^ij omega_j T_i`, so that `V . T_i = omega_i`. Its length is in the
+/// units of the form's values over those of the positions. 0 if the tangents are parallel.
+#[inline]
+pub fn sharp(tangents: [Vector3<f64>; 2], covector: [f64; 2]) -> Vector3<f64> {
+    let (g, [t1, t2], [c1, c2]) = (first_fundamental_form(tangents), tangents, covector);
+    let determinant = g.determinant();
+    if determinant <= PARALLEL * g[(0, 0)] * g[(1, 1)] {
+        return Vector3::zeros();
     }
+    (t1 * (g[(1, 1)] * c1 - g[(0, 1)] * c2) + t2 * (g[(0, 0)] * c2 - g[(0, 1)] * c1)) / determinant
+}
+
+/// Tangents whose sine is below the root of this are parallel to rounding.
+const PARALLEL: f64 = 1e-14;
+
+/// The covector of a vector, `omega_i = V . T_i`: the inverse of [`sharp`] for tangent vectors.
+pub fn flat(tangents: [Vector3<f64>; 2], vector: Vector3<f64>) -> [f64; 2] {
+    tangents.map(|tangent| tangent.dot(&vector))
 }
 
 /// Solves a symmetric positive 2 x 2 system, unless it is singular to rounding.
 fn solve(matrix: Matrix2<f64>, right: Vector2<f64>) -> Option<Vector2<f64>> {
-    let regular = matrix.determinant() > 1e-14 * matrix[(0, 0)] * matrix[(1, 1)];
+    let regular = matrix.determinant() > PARALLEL * matrix[(0, 0)] * matrix[(1, 1)];
     if regular { matrix.try_inverse().map(|inverse| inverse * right) } else { None }
 }
 

@@ -54,6 +54,7 @@ pub mod field;
 pub mod hierarchy;
 pub mod io;
 pub mod laws;
+pub mod limit;
 pub mod osd;
 pub mod scheme;
 pub mod sparse;

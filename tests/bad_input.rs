@@ -232,8 +232,7 @@ fn outputs() {
     let refuse = |out: &str, words: &[&str]| {
         bad_arguments(&["subdivide", "cube.obj", "--field", "cube.fields.json", "-o", out], words);
     };
-    refuse("out.stl", &["out.stl: has the extension .stl", "choose .obj, .json, .glb, .gltf, .usda, .usd"]);
-    refuse("out.npz", &["choose .obj, .json, .glb, .gltf, .usda, .usd"]);
+    refuse("out.stl", &["out.stl: has the extension .stl", "choose .obj, .json, .glb, .gltf, .usda, .usd, .npz"]);
     refuse("out", &["out: has no extension", "choose .obj, .json, .glb, .gltf, .usda, .usd"]);
     refuse("cube.obj", &["cube.obj: the output would replace the input cube.obj: choose another name"]);
     refuse("out.usdc", &["out.usdc: has the extension .usdc, which is not written here", "usdcat"]);

@@ -4,7 +4,7 @@
 mod common;
 
 use common::meshes::{fan, grid, polygons};
-use formwork::osd::{OsdScheme, Refiner};
+use formwork::osd::{BFR_SHARP_LEVEL, BFR_SMOOTH_LEVEL, OsdScheme, Refiner};
 use formwork::topology::{
     BoundaryInterpolation, Cage, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };
@@ -97,4 +97,58 @@ fn wrong_calls_are_errors() {
     assert!(refiner.interpolate(1, &[1.0]).is_err());
     let table = refiner.float_stencil_table().unwrap();
     assert!(table.evaluate(&[1.0; 3], 1, &mut [0.0; 3]).is_err());
+}
+
+#[test]
+fn bfr_meets_the_limit_stencils_at_vertices() {
+    for (name, descriptor) in zoo() {
+        let cage = Cage::new(descriptor).unwrap();
+        let refiner = Refiner::new(&cage, OsdScheme::Catmark).unwrap();
+        let (mesh, tags) = (refiner.mesh(0).unwrap(), refiner.tags(0).unwrap());
+        // Where Bfr and the limit masks differ: see `LimitStencils`. A hole has no surface.
+        let plain = mesh.num_faces() > 2
+            && (0..mesh.num_faces() as u32).all(|f| mesh.face_size(f) == 4)
+            && tags.edge_sharpness.iter().all(|&s| s == 0.0 || s == 10.0);
+        let positions: Vec<f64> = (0..3 * mesh.num_vertices()).map(|i| (i as f64).sin()).collect();
+        let limit = refiner.limit_stencils().unwrap().position;
+        let bfr = refiner.bfr(BFR_SMOOTH_LEVEL, BFR_SHARP_LEVEL).unwrap();
+        for f in 0..mesh.num_faces() as u32 {
+            let uv = [[0.0, 0.0], [0.25, 0.5]];
+            let found = bfr.evaluate(&positions, &[f; 2], &uv);
+            if tags.face_hole[f as usize] {
+                assert!(found.unwrap_err().to_string().contains(&format!("face {f} ")), "{name}");
+                continue;
+            }
+            let found = found.unwrap();
+            assert_eq!(bfr.evaluate_positions(&positions, &[f; 2], &uv).unwrap(), [found[0][0], found[1][0]]);
+            let (columns, weights) = formwork::sparse::row_of(&limit, mesh.face_vertices(f)[0] as usize);
+            for axis in 0..3 {
+                let at = |&v: &u32| positions[3 * v as usize + axis];
+                let expected: f64 = columns.iter().zip(weights).map(|(v, w)| w * at(v)).sum();
+                // In the tables of irregular patches weights are in single precision.
+                assert!(!plain || (found[0][0][axis] - expected).abs() < 1e-6, "{name}, face {f}");
+            }
+        }
+        assert!(bfr.evaluate(&positions, &[mesh.num_faces() as u32], &[[0.0; 2]]).is_err(), "{name}");
+    }
+}
+
+#[test]
+fn wrong_calls_of_bfr_are_errors() {
+    let cage = Cage::new(fan(&[3, 4, 5])).unwrap();
+    let refiner = Refiner::new(&cage, OsdScheme::Catmark).unwrap();
+    assert!(refiner.bfr(0, 2).is_err());
+    assert!(refiner.bfr(2, 16).is_err());
+    let bfr = refiner.bfr(2, 6).unwrap();
+    let positions = vec![1.0; 3 * cage.descriptor().num_vertices];
+    let evaluate = |face: u32, u, v| bfr.evaluate(&positions, &[face], &[[u, v]]);
+    assert!(evaluate(1, 1.0, 1.0).is_ok());
+    assert!(evaluate(1, 1.1, 0.0).is_err());
+    assert!(evaluate(1, f64::NAN, 0.0).is_err());
+    assert!(evaluate(0, 1.5, 0.5).is_ok(), "the second corner of a triangle");
+    assert!(evaluate(0, 1.5, 1.5).is_err(), "a fourth corner of a triangle");
+    assert!(evaluate(2, 1e300, -1.0).is_err());
+    assert!(evaluate(u32::MAX, 0.0, 0.0).is_err());
+    assert!(bfr.evaluate(&positions[1..], &[0], &[[0.0; 2]]).is_err());
+    assert!(bfr.evaluate(&positions, &[0, 0], &[[0.0; 2]]).is_err());
 }

@@ -121,6 +121,8 @@ fn the_examples_in_the_help_run() {
         &["subdivide", "--help"],
         &["operators", "--help"],
         &["validate", "--help"],
+        &["limit", "--help"],
+        &["evaluate", "--help"],
         &["batch", "--help"],
     ] {
         let help = succeed(&root, command).replace("\\\n", " ");

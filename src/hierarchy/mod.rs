@@ -16,6 +16,9 @@ use crate::topology::{Cage, Mesh, Split, SplitKind};
 /// it is plain data, shared freely between threads.
 #[derive(Clone, Debug)]
 pub struct Hierarchy {
+    cage: Cage,
+    scheme: Scheme,
+    kind: SplitKind,
     levels: Vec<Level>,
     /// `refinements[l]` leads from level `l` to level `l + 1`.
     refinements: Vec<Refinement>,
@@ -87,7 +90,8 @@ impl Hierarchy {
     ) -> Result<Self, HierarchyError> {
         let (refiner, kind) = refiner(cage, scheme, levels)?;
         let level = |l| Ok::<_, OsdError>(Level { mesh: refiner.mesh(l)?, tags: refiner.tags(l)? });
-        let mut hierarchy = Hierarchy { levels: vec![level(0)?], refinements: Vec::new() };
+        let mut hierarchy =
+            Hierarchy { cage: cage.clone(), scheme, kind, levels: vec![level(0)?], refinements: Vec::new() };
         progress(0);
         for l in 1..=levels {
             let (parent, child) = (hierarchy.finest().mesh(), level(l)?);
@@ -101,6 +105,21 @@ impl Hierarchy {
             progress(l);
         }
         Ok(hierarchy)
+    }
+
+    /// The cage, level 0 as it was handed in.
+    pub fn cage(&self) -> &Cage {
+        &self.cage
+    }
+
+    /// The scheme.
+    pub fn scheme(&self) -> Scheme {
+        self.scheme
+    }
+
+    /// The way in which faces split.
+    pub fn split_kind(&self) -> SplitKind {
+        self.kind
     }
 
     /// The number of the finest level.

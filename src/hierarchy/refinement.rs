@@ -2,7 +2,7 @@ use rayon::prelude::*;
 
 use crate::cochain::{Cochain, Value, along, d1};
 use crate::scheme::{Homotopy, whitney};
-use crate::sparse::{Csr, apply, assemble, dot, row_of, zero};
+use crate::sparse::{Csr, Row, apply, assemble, dot, row_of, zero};
 use crate::topology::{Mesh, Split};
 
 /// One step of refinement: the split and the two tables of the scheme.
@@ -40,7 +40,7 @@ impl Refinement {
 
     /// `S0 = W0 + H0 d0`, `S1 = W1 + d0' H0 + H1 d1`, `S2 = W2 + d1' H1`, row by row.
     pub(super) fn operators(&self, parent: &Mesh, child: &Mesh) -> Operators {
-        let Homotopy { h0, h1 } = &self.homotopy;
+        let h0 = &self.homotopy.h0;
         let shape = |k| (child.num_cells(k), parent.num_cells(k));
         let s0 = assemble(shape(0), |vertex, row| {
             for (&e, &weight) in std::iter::zip(row_of(h0, vertex).0, row_of(h0, vertex).1) {
@@ -51,27 +51,34 @@ impl Refinement {
             // Last: at a vertex of high valence the many small terms before it lose less that way.
             whitney::w0(parent, self.split.vertex_parent(vertex), |v, weight| row.add(v, weight));
         });
-        let s1 = assemble(shape(1), |edge, row| {
-            whitney::w1(parent, self.split.kind(), self.split.edge_parent(edge), |h, weight| {
-                row.add(h.edge(), weight * h.sign())
-            });
-            let [tail, head] = child.edges()[edge];
-            row.add_row(h0, head as usize, 1.0);
-            row.add_row(h0, tail as usize, -1.0);
-            for (&f, &weight) in std::iter::zip(row_of(h1, edge).0, row_of(h1, edge).1) {
-                for h in parent.face_half_edges(f) {
-                    row.add(h.edge(), weight * h.sign());
-                }
-            }
-        });
-        let s2 = assemble(shape(2), |face, row| {
-            let of = self.split.face_parent(parent, face);
-            row.add(of, whitney::w2(parent, self.split.kind(), of));
-            for h in child.face_half_edges(face as u32) {
-                row.add_row(h1, h.edge() as usize, h.sign());
-            }
-        });
+        let s1 = assemble(shape(1), |edge, row| self.add_s1_row(parent, child, edge, 1.0, row));
+        let s2 = assemble(shape(2), |face, row| self.add_s2_row(parent, child, face, 1.0, row));
         Operators { s0, s1, s2 }
+    }
+
+    /// Adds `scale` times the row of `S1` of a child edge.
+    pub(crate) fn add_s1_row(&self, parent: &Mesh, child: &Mesh, edge: usize, scale: f64, row: &mut Row) {
+        let Homotopy { h0, h1 } = &self.homotopy;
+        whitney::w1(parent, self.split.kind(), self.split.edge_parent(edge), |h, weight| {
+            row.add(h.edge(), scale * weight * h.sign())
+        });
+        let [tail, head] = child.edges()[edge];
+        row.add_row(h0, head as usize, scale);
+        row.add_row(h0, tail as usize, -scale);
+        for (&f, &weight) in std::iter::zip(row_of(h1, edge).0, row_of(h1, edge).1) {
+            for h in parent.face_half_edges(f) {
+                row.add(h.edge(), scale * weight * h.sign());
+            }
+        }
+    }
+
+    /// Adds `scale` times the row of `S2` of a child face.
+    pub(crate) fn add_s2_row(&self, parent: &Mesh, child: &Mesh, face: usize, scale: f64, row: &mut Row) {
+        let of = self.split.face_parent(parent, face);
+        row.add(of, scale * whitney::w2(parent, self.split.kind(), of));
+        for h in child.face_half_edges(face as u32) {
+            row.add_row(&self.homotopy.h1, h.edge() as usize, scale * h.sign());
+        }
     }
 
     /// The same operators applied to a cochain without forming them: a displacement for each child

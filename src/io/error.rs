@@ -3,6 +3,7 @@ use std::path::{Path, PathBuf};
 
 use super::fields::FieldsProblem;
 use super::obj::ObjProblem;
+use super::points::PointsProblem;
 use crate::topology::TopologyError;
 
 /// Why a file could not be read or written. The message is one line: file, place, problem, remedy.
@@ -20,6 +21,8 @@ pub enum IoError {
     ObjRefused { file: String, reason: String },
     #[error("{file}: {problem}")]
     Fields { file: String, problem: FieldsProblem },
+    #[error("{file}: {problem}")]
+    Points { file: String, problem: PointsProblem },
     #[error("{}", topology(file, *line, source))]
     Topology { file: String, line: Option<usize>, source: TopologyError },
     #[error("{file}: {place}: {problem}")]

@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Asset, IoError, Surface, glb, json, obj, usd};
+use super::{Asset, IoError, Surface, glb, json, npz, obj, usd};
 use crate::osd::OsdScheme;
 
 /// A file format of meshes. Every command reads and writes through [`load`] and [`save`], so a format that
@@ -22,10 +22,12 @@ pub enum Format {
     Usdc,
     /// The same, packed.
     Usdz,
+    /// Arrays for NumPy; written only.
+    Npz,
 }
 
 /// Every extension, without its dot.
-const EXTENSIONS: [(&str, Format); 8] = [
+const EXTENSIONS: [(&str, Format); 9] = [
     ("obj", Format::Obj),
     ("json", Format::Json),
     ("glb", Format::Glb),
@@ -34,6 +36,7 @@ const EXTENSIONS: [(&str, Format); 8] = [
     ("usd", Format::Usda),
     ("usdc", Format::Usdc),
     ("usdz", Format::Usdz),
+    ("npz", Format::Npz),
 ];
 
 impl Format {
@@ -47,6 +50,11 @@ impl Format {
     /// opens.
     pub fn is_written(self) -> bool {
         !matches!(self, Format::Usdc | Format::Usdz)
+    }
+
+    /// Whether [`load`] reads it.
+    pub fn is_read(self) -> bool {
+        self != Format::Npz
     }
 
     /// Whether it is one of USD's: such files keep what else is on their stage, and have frames.
@@ -93,14 +101,13 @@ pub enum Frames {
 /// the place in it; [`IoError::Content`] if `options` ask for what the file or its format does not have.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Asset, IoError> {
     let bytes = fs::read(path).map_err(IoError::read(path))?;
-    let Some(format) = Format::of(path) else {
-        return Err(IoError::Format {
-            path: path.to_owned(),
-            use_: "read",
-            choice: extensions(|_| true),
-            hint: "",
-        });
+    let unreadable = || IoError::Format {
+        path: path.to_owned(),
+        use_: "read",
+        choice: extensions(Format::is_read),
+        hint: "",
     };
+    let format = Format::of(path).ok_or_else(unreadable)?;
     let name = path.display().to_string();
     let refuse = |option: &str, what: &str| {
         Err(IoError::content(&name, option, format!("{what}: leave the option out")))
@@ -116,6 +123,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Asset, IoError> {
         Format::Json => json::parse(&name, &bytes),
         Format::Glb | Format::Gltf => glb::parse(path, &bytes, options),
         Format::Usda | Format::Usdc | Format::Usdz => usd::parse(&name, bytes, options),
+        Format::Npz => Err(unreadable()),
     }
 }
 
@@ -148,6 +156,7 @@ pub fn save(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Save
         Format::Json => json::write(path, surface)?,
         Format::Gltf => saved.paths = glb::write_text(path, surface, options)?,
         Format::Glb => glb::write(path, surface, options)?,
+        Format::Npz => npz::write_surface(path, surface)?,
         Format::Usda | Format::Usdc | Format::Usdz => saved.notes = usd::write(path, surface)?,
     }
     if !format.is_usd() && surface.frames().len() > 1 {
@@ -181,8 +190,8 @@ pub fn writer(path: &Path) -> Result<Format, IoError> {
             use_: "written",
             choice: extensions(Format::is_written),
             hint: match format {
-                Some(_) => " (usdcat turns .usda into it)",
-                None => "",
+                Some(format) if format.is_usd() => " (usdcat turns .usda into it)",
+                _ => "",
             },
         }),
     }

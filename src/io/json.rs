@@ -8,6 +8,9 @@
 //! | `edges` | `[a, b]` for each edge, in the direction of its orientation |
 //! | `form0`, `form1`, `form2` | one value for each vertex, edge (from `a` to `b`), face; only forms that were given |
 //! | `face_vectors` | the tangent vector `[x, y, z]` of the 1-form at the centre of each face |
+//! | `normals` | on the limit: the unit normal `[x, y, z]` at each vertex |
+//! | `vertex_vectors` | on the limit, instead of `face_vectors`: the tangent vector at each vertex, the mean of its sides at creases |
+//! | `corner_vectors` | on the limit: the tangent vector at each entry of `face_vertices`, on its own side of creases |
 //! | `tags` | of a cage: `scheme`, `boundary`, `creasing`, `triangles`, `creases` as `[[a, b, sharpness], ..]`, `corners` as `[[vertex, sharpness], ..]`, `holes` |
 //!
 //! Indices start at 0. Of refined meshes, faces that are holes are left out, and so are edges that have no
@@ -41,6 +44,18 @@ pub fn write(path: &Path, surface: &Surface) -> Result<(), IoError> {
         write_mesh(&mut object, surface)?;
         if let Some(vectors) = surface.face_vectors() {
             object.array("face_vectors", surface.faces().map(|f| <[f64; 3]>::from(vectors[f as usize])))?;
+        }
+        if let Some(at) = surface.at_vertices() {
+            let triples =
+                |vectors: &[Vector3<f64>]| -> Vec<[f64; 3]> { vectors.iter().map(|&v| v.into()).collect() };
+            object.array("normals", triples(&at.normals).into_iter())?;
+            if let Some([vertices, corners]) = &at.vectors {
+                object.array("vertex_vectors", triples(vertices).into_iter())?;
+                let corners = triples(corners);
+                let mesh = surface.mesh();
+                let written = surface.faces().flat_map(|f| mesh.corners(f)).map(|c| corners[c as usize]);
+                object.array("corner_vectors", written)?;
+            }
         }
         object.close()
     })
@@ -123,6 +138,12 @@ pub(super) struct File {
     form2: Option<Vec<f64>>,
     #[serde(rename = "face_vectors")]
     _face_vectors: Option<IgnoredAny>,
+    #[serde(rename = "normals")]
+    _normals: Option<IgnoredAny>,
+    #[serde(rename = "vertex_vectors")]
+    _vertex_vectors: Option<IgnoredAny>,
+    #[serde(rename = "corner_vectors")]
+    _corner_vectors: Option<IgnoredAny>,
     pub(super) tags: Option<Tags>,
 }
 

@@ -7,7 +7,8 @@
 //! | [`glb`] | meshes, forms in their extras, as glTF | the same, with its tangent field and arrows |
 //! | [`usd`] | meshes on a stage, with their forms, still or moving | the same, the rest of the stage kept |
 //! | [`fields`] | forms on a mesh | forms on a mesh |
-//! | [`npz`] | | the operators of a hierarchy, for NumPy and SciPy |
+//! | [`points`] | points on faces | |
+//! | [`npz`] | | the operators of a hierarchy, surfaces and other arrays, for NumPy and SciPy |
 //!
 //! [`load`] and [`save`] choose the format of a mesh by the extension of its file. A reader of meshes hands
 //! back an [`Asset`], a writer of meshes takes a [`Surface`]. Every file is
@@ -25,6 +26,7 @@ pub mod glb;
 pub mod json;
 pub mod npz;
 pub mod obj;
+pub mod points;
 mod surface;
 pub mod usd;
 
@@ -33,7 +35,7 @@ pub use asset::{Asset, Frame, SourceLines};
 pub use error::IoError;
 pub use format::{Format, Frames, LoadOptions, SaveOptions, Saved, companion, load, save, writer};
 pub use forms::{Form1, Forms, SAME_EDGE};
-pub use surface::Surface;
+pub use surface::{AtVertices, Pose, Surface};
 
 use nalgebra::Vector3;
 

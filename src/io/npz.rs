@@ -30,7 +30,9 @@ use npyz::npz::NpzWriter;
 use npyz::zip::{CompressionMethod, DateTime, write::FileOptions};
 use npyz::{AutoSerialize, WriterBuilder};
 
-use super::{IoError, atomic};
+use nalgebra::Vector3;
+
+use super::{IoError, Surface, atomic};
 use crate::sparse::Csr;
 use crate::topology::{Mesh, Parent, Split};
 
@@ -71,6 +73,96 @@ pub fn write<'a>(path: &Path, levels: impl IntoIterator<Item = Level<'a>>) -> Re
         }
         result
     })
+}
+
+/// An array to be written: its numbers, row by row.
+pub enum Array<'a> {
+    /// Numbers, f64.
+    Floats(&'a [f64]),
+    /// Vectors, f64, with one axis more than the shape says.
+    Vectors(&'a [Vector3<f64>]),
+    /// Indices, i32.
+    Indices(&'a [u32]),
+}
+
+/// Writes arrays, each with its name and shape.
+///
+/// # Errors
+/// [`IoError::Write`].
+///
+/// # Panics
+/// If an array does not have its shape.
+pub fn write_arrays(path: &Path, arrays: &[(&str, &[usize], Array)]) -> Result<(), IoError> {
+    atomic::write(path, |out| {
+        let mut archive = Archive { npz: NpzWriter::new(out) };
+        let mut write = || {
+            for (name, shape, array) in arrays {
+                match array {
+                    Array::Floats(values) => archive.array(name, shape, values.iter().copied())?,
+                    Array::Indices(values) => archive.array(name, shape, signed(values.iter().copied()))?,
+                    Array::Vectors(values) => {
+                        let shape = [*shape, &[3]].concat();
+                        archive.array(name, &shape, values.iter().flat_map(|v| [v.x, v.y, v.z]))?;
+                    }
+                }
+            }
+            archive.npz.zip_writer().finish()?;
+            Ok(())
+        };
+        let result = write();
+        if result.is_err() {
+            std::mem::forget(archive); // as in `write`
+        }
+        result
+    })
+}
+
+/// Writes a surface that lies on its limit: `edges` (E, 2), `face_sizes`, `face_vertices`, `positions` (V, 3),
+/// `normals` (V, 3) and, where there are such forms, `values` (V,), `circulations` (E,), `fluxes` (F,),
+/// `vertex_vectors` (V, 3) and `corner_vectors`, one row for each entry of `face_vertices`.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn write_surface(path: &Path, surface: &Surface) -> Result<(), IoError> {
+    let (mesh, fields) = (surface.mesh(), surface.fields());
+    let faces: Vec<u32> = surface.faces().collect();
+    let corners: Vec<u32> = faces.iter().flat_map(|&f| mesh.corners(f)).collect();
+    let edges: Vec<u32> = surface.edges().flat_map(|e| mesh.edges()[e as usize]).collect();
+    let sizes: Vec<u32> = faces.iter().map(|&f| mesh.face_size(f) as u32).collect();
+    let vertices: Vec<u32> = corners.iter().map(|&c| mesh.corner_vertex(c)).collect();
+    let circulations: Option<Vec<f64>> =
+        fields.form1.as_ref().map(|form| surface.edges().map(|e| form[e as usize]).collect());
+    let fluxes: Option<Vec<f64>> =
+        fields.form2.as_ref().map(|form| faces.iter().map(|&f| form[f as usize]).collect());
+    let vectors = surface.at_vertices().and_then(|at| at.vectors.as_ref());
+    let corner_vectors: Option<Vec<_>> =
+        vectors.map(|[_, of_corners]| corners.iter().map(|&c| of_corners[c as usize]).collect());
+    let shapes = [mesh.num_vertices(), edges.len() / 2, faces.len(), corners.len()].map(|n| [n]);
+    let [v, e, f, c] = [&shapes[0][..], &shapes[1], &shapes[2], &shapes[3]];
+    let pairs = [e[0], 2];
+    let mut arrays = vec![
+        ("edges", &pairs[..], Array::Indices(&edges)),
+        ("face_sizes", f, Array::Indices(&sizes)),
+        ("face_vertices", c, Array::Indices(&vertices)),
+        ("positions", v, Array::Vectors(surface.positions().values())),
+    ];
+    if let Some(at) = surface.at_vertices() {
+        arrays.push(("normals", v, Array::Vectors(&at.normals)));
+    }
+    if let Some(form) = &fields.form0 {
+        arrays.push(("values", v, Array::Floats(form.values())));
+    }
+    if let Some(circulations) = &circulations {
+        arrays.push(("circulations", e, Array::Floats(circulations)));
+    }
+    if let Some(fluxes) = &fluxes {
+        arrays.push(("fluxes", f, Array::Floats(fluxes)));
+    }
+    if let (Some([of_vertices, _]), Some(of_corners)) = (vectors, &corner_vectors) {
+        arrays.push(("vertex_vectors", v, Array::Vectors(of_vertices)));
+        arrays.push(("corner_vectors", c, Array::Vectors(of_corners)));
+    }
+    write_arrays(path, &arrays)
 }
 
 struct Archive<W: Write + Seek> {

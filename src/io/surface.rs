@@ -15,12 +15,34 @@ pub struct Surface<'a> {
     positions: &'a Positions,
     fields: &'a Fields,
     face_vectors: Option<Vec<Vector3<f64>>>,
+    at_vertices: Option<AtVertices>,
     faces: Vec<u32>,
     edges: Vec<u32>,
     asset: Option<&'a Asset>,
-    frames: Vec<(f64, Positions)>,
+    frames: Vec<Pose>,
     sharp_edges: Vec<bool>,
     ancestry: Option<Ancestry<'a>>,
+}
+
+/// What is known at the vertices of a surface that lies on its limit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AtVertices {
+    /// The unit normal of the limit surface at each vertex.
+    pub normals: Vec<Vector3<f64>>,
+    /// The tangent vectors of the 1-form, if there is one: at each vertex, the mean of its sides where a crease
+    /// gives it several, and at each corner of a face, in the order of the face's vertices, that of its side.
+    pub vectors: Option<[Vec<Vector3<f64>>; 2]>,
+}
+
+/// A moving surface at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// In time codes of a stage.
+    pub time: f64,
+    /// One position for each vertex.
+    pub positions: Positions,
+    /// What is known at the vertices, if the surface lies on its limit.
+    pub at_vertices: Option<AtVertices>,
 }
 
 impl<'a> Surface<'a> {
@@ -74,6 +96,7 @@ impl<'a> Surface<'a> {
             positions,
             fields,
             face_vectors,
+            at_vertices: None,
             faces,
             edges,
             asset: None,
@@ -83,29 +106,37 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// The asset that was refined. On level 0 the surface is its cage: it is written with its tags, and
-    /// then holes are tags like the others. The writer of USD keeps the rest of its stage.
+    /// The same with exact normals and vectors at the vertices, which replace the vectors of the faces.
     ///
     /// # Panics
-    /// If `left_out` left out faces on level 0: holes belong to the cage.
+    /// If there is not one for each vertex and corner of the mesh.
+    pub fn on_limit(mut self, at_vertices: AtVertices) -> Self {
+        at_vertices.check(self.mesh);
+        self.face_vectors = None;
+        self.at_vertices = Some(at_vertices);
+        self
+    }
+
+    /// The asset that was refined. On level 0 a surface of all its faces that is not moved to the limit is its
+    /// cage: it is written with its tags, and then holes are tags like the others. The writer of USD keeps the
+    /// rest of its stage.
     pub fn of(mut self, asset: &'a Asset) -> Self {
-        assert!(self.level > 0 || self.faces.len() == self.mesh.num_faces(), "a cage without its holes");
         self.asset = Some(asset);
         self
     }
 
-    /// Positions of the whole mesh at other times, ascending. They have the forms and the faces of this
-    /// surface.
+    /// The whole mesh at other times, ascending. It has the forms and the faces of this surface.
     ///
     /// # Errors
     /// [`IoError::Overflow`] if a position is not finite.
     ///
     /// # Panics
     /// If the positions do not belong to the mesh.
-    pub fn with_frames(mut self, frames: Vec<(f64, Positions)>) -> Result<Self, IoError> {
-        for (_, positions) in &frames {
-            assert_eq!(positions.len(), self.mesh.num_vertices(), "positions of another mesh");
-            finite_positions(positions)?;
+    pub fn with_frames(mut self, frames: Vec<Pose>) -> Result<Self, IoError> {
+        for pose in &frames {
+            assert_eq!(pose.positions.len(), self.mesh.num_vertices(), "positions of another mesh");
+            pose.at_vertices.iter().for_each(|at| at.check(self.mesh));
+            finite_positions(&pose.positions)?;
         }
         self.frames = frames;
         Ok(self)
@@ -130,7 +161,9 @@ impl<'a> Surface<'a> {
 
     /// The cage that this surface is, with its tags; `None` if it is refined, or known by its mesh alone.
     pub fn cage(&self) -> Option<&'a Descriptor> {
-        self.asset.filter(|_| self.level == 0).map(|asset| &asset.descriptor)
+        let is_cage =
+            self.level == 0 && self.at_vertices.is_none() && self.faces.len() == self.mesh.num_faces();
+        self.asset.filter(|_| is_cage).map(|asset| &asset.descriptor)
     }
 
     /// What [`Surface::of`] gave.
@@ -139,7 +172,7 @@ impl<'a> Surface<'a> {
     }
 
     /// What [`Surface::with_frames`] gave.
-    pub fn frames(&self) -> &[(f64, Positions)] {
+    pub fn frames(&self) -> &[Pose] {
         &self.frames
     }
 
@@ -217,9 +250,15 @@ impl<'a> Surface<'a> {
         self.fields
     }
 
-    /// The tangent vector of the 1-form at the centre of each face of the whole mesh, if there is one.
+    /// The tangent vector of the 1-form at the centre of each face of the whole mesh, if there is one and the
+    /// surface does not lie on its limit.
     pub fn face_vectors(&self) -> Option<&[Vector3<f64>]> {
         self.face_vectors.as_deref()
+    }
+
+    /// The exact normals and vectors at the vertices, if the surface lies on its limit.
+    pub fn at_vertices(&self) -> Option<&AtVertices> {
+        self.at_vertices.as_ref()
     }
 
     /// The faces that are written, ascending: the `i`-th of them is face `i` of the file.
@@ -237,6 +276,16 @@ impl<'a> Surface<'a> {
     /// The edges of the faces that are written, ascending.
     pub fn edges(&self) -> impl ExactSizeIterator<Item = u32> + Clone + '_ {
         self.edges.iter().copied()
+    }
+}
+
+impl AtVertices {
+    fn check(&self, mesh: &Mesh) {
+        assert_eq!(self.normals.len(), mesh.num_vertices(), "normals of another mesh");
+        if let Some([vertices, corners]) = &self.vectors {
+            let wanted = (mesh.num_vertices(), mesh.num_corners());
+            assert_eq!((vertices.len(), corners.len()), wanted, "vectors of another mesh");
+        }
     }
 }
 

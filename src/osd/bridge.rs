@@ -80,6 +80,7 @@ pub(super) mod ffi {
 
     unsafe extern "C++" {
         include!("cpp/refiner.h");
+        include!("cpp/bfr.h");
 
         type Refiner;
 
@@ -99,5 +100,18 @@ pub(super) mod ffi {
         fn float_stencil_table(refiner: &Refiner) -> Result<UniquePtr<FloatStencilTable>>;
         fn num_stencils(self: &FloatStencilTable) -> usize;
         fn evaluate(self: &FloatStencilTable, source: &[f32], width: u32, out: &mut [f32]) -> Result<()>;
+
+        /// Refers to its refiner.
+        type Bfr<'a>;
+
+        fn new_bfr<'a>(refiner: &'a Refiner, smooth: u8, sharp: u8) -> Result<UniquePtr<Bfr<'a>>>;
+        fn evaluate(
+            self: &Bfr,
+            positions: &[f64],
+            faces: &[u32],
+            uv: &[f64],
+            derivatives: bool,
+            out: &mut [f64],
+        ) -> Result<()>;
     }
 }

@@ -4,8 +4,13 @@
 //! level's incidence (as a [`Mesh`]), tags and S0 masks while a hierarchy is built, and for its own
 //! stencils and limits when results are checked against it.
 
+mod bfr;
 #[allow(unsafe_code)]
 mod bridge;
+mod level;
+
+pub use bfr::{BFR_SHARP_LEVEL, BFR_SMOOTH_LEVEL, Bfr};
+pub use level::{Children, LimitStencils, Masks, OsdScheme, Rule, Rules, Tags};
 
 use bridge::ffi;
 use cxx::UniquePtr;
@@ -25,124 +30,6 @@ impl From<cxx::Exception> for OsdError {
     fn from(exception: cxx::Exception) -> Self {
         OsdError(exception.what().to_owned())
     }
-}
-
-/// OpenSubdiv's subdivision schemes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OsdScheme {
-    /// `SCHEME_BILINEAR`: quad split.
-    Bilinear = 0,
-    /// `SCHEME_CATMARK`: quad split.
-    Catmark = 1,
-    /// `SCHEME_LOOP`: triangle split; takes triangles only.
-    Loop = 2,
-}
-
-/// The subdivision rule of a vertex: OpenSubdiv's `Sdc::Crease::Rule`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rule {
-    /// No sharp edge.
-    Smooth,
-    /// One sharp edge ends here.
-    Dart,
-    /// Two sharp edges pass through.
-    Crease,
-    /// Sharp itself, or more than two sharp edges, or non-manifold.
-    Corner,
-}
-
-impl Rule {
-    fn from_number(number: u8) -> Self {
-        [Rule::Smooth, Rule::Dart, Rule::Crease, Rule::Corner][number as usize]
-    }
-
-    /// Whether the vertex rule ignores sharp edges: smooth vertices have none, darts are treated alike.
-    pub fn is_smooth(self) -> bool {
-        matches!(self, Rule::Smooth | Rule::Dart)
-    }
-}
-
-/// Sharpness, rules and holes of one level.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tags {
-    /// For each edge; 10 is infinitely sharp, which boundary and non-manifold edges always are.
-    pub edge_sharpness: Vec<f32>,
-    /// For each vertex.
-    pub vertex_sharpness: Vec<f32>,
-    /// For each vertex.
-    pub vertex_rule: Vec<Rule>,
-    /// For each face, whether it is left out of what is drawn or written. Beside the holes of the cage
-    /// and their descendants these are, with [`BoundaryInterpolation::None`], the faces that touch the
-    /// boundary of the cage.
-    pub face_hole: Vec<bool>,
-}
-
-/// The weights of S0 from one level to the next, in `f64`, keyed to corners and half-edges.
-///
-/// With `p_f` the average of the vertices of face `f` (in Loop's scheme, for `m_e`, the vertex of the
-/// triangle opposite to `e`), the children are
-///
-/// ```text
-/// m_e = edge_end[2e] a + edge_end[2e + 1] b + sum_f edge_face[c(f, e)] p_f        e = (a, b)
-/// v'  = vertex_self[v] v + sum_w vertex_edge[h(v -> w)] w + sum_f vertex_face[c(f, v)] p_f
-/// ```
-///
-/// where `c(f, e)` is the corner of `f` that edge `e` leaves and `c(f, v)` the corner of `f` at `v`.
-/// They are OpenSubdiv's own masks: creases, fractional sharpness and Chaikin's rule are in them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Masks {
-    /// For each vertex.
-    pub vertex_self: Vec<f64>,
-    /// For each half-edge, the weight of its head in the child of its tail.
-    pub vertex_edge: Vec<f64>,
-    /// For each corner.
-    pub vertex_face: Vec<f64>,
-    /// For each half-edge, the weight of its tail in the midpoint.
-    pub edge_end: Vec<f64>,
-    /// For each corner.
-    pub edge_face: Vec<f64>,
-    /// For each vertex, its rule on this level.
-    pub parent_rule: Vec<Rule>,
-    /// For each vertex, the rule of its child.
-    pub child_rule: Vec<Rule>,
-    /// For each vertex, the weight that OpenSubdiv gave to the rule of the parent where it blended the
-    /// two; 1 where it did not.
-    pub parent_weight: Vec<f64>,
-    /// For each edge, whether it is sharp on this level.
-    pub parent_sharp: Vec<bool>,
-    /// For each half-edge, whether the child edge at its tail is sharp.
-    pub child_sharp: Vec<bool>,
-}
-
-/// The children of a level's cells, as OpenSubdiv numbers them: see [`crate::topology::Split`].
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Children {
-    /// For each vertex its child vertex.
-    pub vertex_vertex: Vec<u32>,
-    /// For each edge its child vertex.
-    pub edge_vertex: Vec<u32>,
-    /// For each face its child vertex; none in the triangle split.
-    pub face_vertex: Vec<u32>,
-    /// For each half-edge the half of its edge at its tail.
-    pub edge_edges: Vec<u32>,
-    /// For each corner the child edge inside the face that belongs to it.
-    pub face_edges: Vec<u32>,
-    /// For each face its child faces: one for each corner, and in the triangle split the one in the middle.
-    pub face_faces: Vec<u32>,
-}
-
-/// Limit masks on the finest level, each `(|V|, |V|)`.
-///
-/// OpenSubdiv's position masks are exact limits except at darts, next to semi-sharp features, at
-/// vertices of valence 2 and, on level 0, at vertices of faces that are not quads.
-#[derive(Clone, Debug)]
-pub struct LimitStencils {
-    /// Limit positions.
-    pub position: Csr,
-    /// First limit tangents, towards the leading edge of each vertex.
-    pub tangent1: Csr,
-    /// Second limit tangents.
-    pub tangent2: Csr,
 }
 
 /// OpenSubdiv's topology refiner.
@@ -256,11 +143,13 @@ impl Refiner {
             vertex_face: vec![0.0; n.corners],
             edge_end: vec![0.0; 2 * n.edges],
             edge_face: vec![0.0; n.corners],
-            parent_rule: Vec::new(),
-            child_rule: Vec::new(),
-            parent_weight: vec![0.0; n.vertices],
-            parent_sharp: self.tags(level)?.edge_sharpness.iter().map(|&s| s > 0.0).collect(),
-            child_sharp: Vec::new(),
+            rules: Rules {
+                parent_rule: Vec::new(),
+                child_rule: Vec::new(),
+                parent_weight: vec![0.0; n.vertices],
+                parent_sharp: self.tags(level)?.edge_sharpness.iter().map(|&s| s > 0.0).collect(),
+                child_sharp: Vec::new(),
+            },
         };
         let mut parent_rule = vec![0; n.vertices];
         let mut child_rule = vec![0; n.vertices];
@@ -275,13 +164,13 @@ impl Refiner {
                 edge_face: &mut masks.edge_face,
                 parent_rule: &mut parent_rule,
                 child_rule: &mut child_rule,
-                parent_weight: &mut masks.parent_weight,
+                parent_weight: &mut masks.rules.parent_weight,
                 child_sharp: &mut child_sharp,
             },
         )?;
-        masks.parent_rule = rules(&parent_rule);
-        masks.child_rule = rules(&child_rule);
-        masks.child_sharp = flags(&child_sharp);
+        masks.rules.parent_rule = rules(&parent_rule);
+        masks.rules.child_rule = rules(&child_rule);
+        masks.rules.child_sharp = flags(&child_sharp);
         Ok(masks)
     }
 

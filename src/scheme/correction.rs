@@ -23,13 +23,16 @@
 
 use std::sync::OnceLock;
 
+use super::Scheme;
+use super::catmark::Densities;
+use super::half_box::HalfBox;
 use super::sector::{Place, for_each_rule};
-use crate::osd::Masks;
+use crate::osd::Rules;
 use crate::sparse::Row;
-use crate::topology::{HalfEdge, Mesh};
+use crate::topology::{HalfEdge, Mesh, SplitKind};
 
 /// What a scheme wants of its faces round a vertex.
-pub trait FaceWeights: Sync {
+pub trait FaceWeights: Send + Sync {
     /// `delta_0 .. delta_{k-1}` of a smooth vertex of valence `k`, summing to 0.
     fn delta(&self, k: usize) -> Vec<f64>;
 
@@ -43,10 +46,63 @@ pub trait FaceWeights: Sync {
     }
 }
 
+/// The even rows of `H1` round a vertex of a mesh of quads, or triangles, by number of faces: what limits are
+/// computed from.
+pub struct FaceRows {
+    kind: SplitKind,
+    /// The weight of a face in the mask of a smooth edge.
+    tau: f64,
+    /// `u_f`.
+    unit: f64,
+    weights: Box<dyn FaceWeights>,
+}
+
+impl FaceRows {
+    /// The rows of a scheme; `None` for the Whitney schemes, which have none.
+    pub fn of(scheme: Scheme) -> Option<Self> {
+        match scheme {
+            Scheme::Catmark(weights) => Some(FaceRows {
+                kind: SplitKind::Quad,
+                tau: 0.25,
+                unit: 0.25,
+                weights: Box::new(Densities(weights)),
+            }),
+            Scheme::Loop(_, boundary) => Some(FaceRows {
+                kind: SplitKind::Triangle,
+                tau: 0.125,
+                unit: 1.0,
+                weights: Box::new(HalfBox(boundary)),
+            }),
+            Scheme::Whitney | Scheme::Bilinear => None,
+        }
+    }
+
+    /// How faces split.
+    pub fn kind(&self) -> SplitKind {
+        self.kind
+    }
+
+    /// `tau u_f` of a smooth edge.
+    pub fn tau(&self) -> f64 {
+        self.tau * self.unit
+    }
+
+    /// `b_0 .. b_{k-1}` of a smooth vertex, times `u_f`.
+    pub fn smooth(&self, k: usize) -> Vec<f64> {
+        accumulate(&self.weights.delta(k)).into_iter().map(|b| b * self.unit).collect()
+    }
+
+    /// The rows `B(q, r)` of a sector, row after row, times `u_f`; `None` if it is reflected evenly.
+    pub fn sector(&self, n: usize) -> Option<Vec<f64>> {
+        Some(self.weights.sector(n)?.into_iter().map(|b| b * self.unit).collect())
+    }
+}
+
 /// The even rows of `H1` for one level.
 pub struct Correction<'a, W> {
     mesh: &'a Mesh,
-    masks: &'a Masks,
+    edge_face: &'a [f64],
+    rules: &'a Rules,
     weights: W,
     /// For each valence the `b` that it needs, and for each sector its rows, once they are needed.
     b: Vec<OnceLock<Vec<f64>>>,
@@ -54,28 +110,29 @@ pub struct Correction<'a, W> {
 }
 
 impl<'a, W: FaceWeights> Correction<'a, W> {
-    /// Prepares the rows of one level.
-    pub fn new(mesh: &'a Mesh, masks: &'a Masks, weights: W) -> Self {
+    /// Prepares the rows of one level; `edge_face` is `tau`, for each corner, as in
+    /// [`crate::osd::Masks::edge_face`].
+    pub fn new(mesh: &'a Mesh, edge_face: &'a [f64], rules: &'a Rules, weights: W) -> Self {
         let fans = (0..mesh.num_vertices() as u32).flat_map(|v| mesh.fans(v));
         let most = fans.map(|fan| fan.corners.len()).max().unwrap_or(0);
         let b = (0..=2 * most).map(|_| OnceLock::new()).collect();
         let sectors = (0..=most).map(|_| OnceLock::new()).collect();
-        Correction { mesh, masks, weights, b, sectors }
+        Correction { mesh, edge_face, rules, weights, b, sectors }
     }
 
     /// Adds `scale` times `H1(v -> m_e)`, `h` being `e` seen from its tail `v`.
     pub fn add_row(&self, h: HalfEdge, scale: f64, out: &mut Row) {
-        let (mesh, masks) = (self.mesh, self.masks);
+        let mesh = self.mesh;
         for (side, sign) in [(h, -0.5), (h.twin(), 0.5)] {
             if let Some(corner) = mesh.left_corner(side) {
-                let tau = masks.edge_face[corner as usize];
+                let tau = self.edge_face[corner as usize];
                 if tau != 0.0 {
                     let face = mesh.corner_face(corner);
                     out.add(face, scale * sign * tau * self.weights.unit(mesh, face));
                 }
             }
         }
-        for_each_rule(mesh, masks, h, |weight, _, fan, place| {
+        for_each_rule(mesh, self.rules, h, |weight, _, fan, place| {
             let k = fan.corners.len();
             let mut add = |position: usize, b: f64| {
                 let face = mesh.corner_face(fan.corners[position % k]);
@@ -131,8 +188,7 @@ pub(super) fn circulant(k: usize, here: f64, beside: f64, rest: impl Fn(usize) -
 mod tests {
     use super::*;
     use crate::scheme::DooSabin;
-    use crate::scheme::catmark::Densities;
-    use crate::scheme::half_box::{BoundaryRule, HalfBox};
+    use crate::scheme::half_box::BoundaryRule;
 
     fn assert_antisymmetric(weights: &impl FaceWeights) {
         for k in 1..20 {

@@ -25,10 +25,11 @@ pub mod doo_sabin;
 pub mod half_box;
 pub mod loop_;
 pub mod modified_loop;
-mod sector;
+pub(crate) mod sector;
 mod tables;
 pub mod whitney;
 
+pub(crate) use correction::FaceRows;
 pub use doo_sabin::DooSabin;
 pub use half_box::BoundaryRule;
 pub use loop_::Variant;

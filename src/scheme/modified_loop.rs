@@ -15,7 +15,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::sector::{Place, for_each_rule};
-use crate::osd::{Masks, Rule};
+use crate::osd::{Masks, Rule, Rules};
 use crate::topology::{HalfEdge, Mesh};
 
 /// `masks` with Loop's smooth rules replaced.
@@ -32,7 +32,7 @@ pub(super) fn modified_masks(mesh: &Mesh, masks: &Masks) -> Masks {
         if smooth == 0.0 {
             continue;
         }
-        let shift = smooth * (eps(mesh, masks, h) - eps(mesh, masks, h.twin()));
+        let shift = smooth * (eps(mesh, &masks.rules, h) - eps(mesh, &masks.rules, h.twin()));
         modified.edge_end[h.index()] -= shift;
         modified.edge_end[h.twin().index()] += shift;
     }
@@ -42,10 +42,10 @@ pub(super) fn modified_masks(mesh: &Mesh, masks: &Masks) -> Masks {
 /// Exchanges the smooth part of a vertex mask.
 fn modify_vertex(mesh: &Mesh, masks: &Masks, v: u32, modified: &mut Masks) {
     let i = v as usize;
-    let (parent, child) = (masks.parent_rule[i], masks.child_rule[i]);
+    let (parent, child) = (masks.rules.parent_rule[i], masks.rules.child_rule[i]);
     let smooth = match (parent.is_smooth(), child.is_smooth()) {
         (true, _) => 1.0,
-        (false, true) => 1.0 - masks.parent_weight[i],
+        (false, true) => 1.0 - masks.rules.parent_weight[i],
         (false, false) => 0.0,
     };
     if smooth == 0.0 {
@@ -55,7 +55,7 @@ fn modify_vertex(mesh: &Mesh, masks: &Masks, v: u32, modified: &mut Masks) {
     let n = spokes.len() as f64;
     let a = (3.0 + 8.0 * smooth_eps(spokes.len())) / (8.0 * n);
     for h in spokes {
-        let crease = parent == Rule::Crease && masks.parent_sharp[h.edge() as usize];
+        let crease = parent == Rule::Crease && masks.rules.parent_sharp[h.edge() as usize];
         let sharp_part = if crease { (1.0 - smooth) / 8.0 } else { 0.0 };
         modified.vertex_edge[h.index()] = sharp_part + smooth * a;
     }
@@ -65,9 +65,9 @@ fn modify_vertex(mesh: &Mesh, masks: &Masks, v: u32, modified: &mut Masks) {
 
 /// `eps` of the vertex that `h` leaves, in the sector that `h` lies in: the mean of the blended rules over
 /// those that do not cut `h` itself, since only its smooth part asks for it.
-fn eps(mesh: &Mesh, masks: &Masks, h: HalfEdge) -> f64 {
+pub fn eps(mesh: &Mesh, rules: &Rules, h: HalfEdge) -> f64 {
     let (mut sum, mut total) = (0.0, 0.0);
-    for_each_rule(mesh, masks, h, |weight, rule, fan, place| {
+    for_each_rule(mesh, rules, h, |weight, rule, fan, place| {
         let eps = match (rule, place) {
             (_, Place::Sector { spoke: 0, .. }) => return,
             (Rule::Corner, _) => 0.0,
@@ -80,6 +80,7 @@ fn eps(mesh: &Mesh, masks: &Masks, h: HalfEdge) -> f64 {
     if total > 0.0 { sum / total } else { 0.0 }
 }
 
-fn smooth_eps(n: usize) -> f64 {
+/// `eps_n` of a smooth vertex of valence `n`.
+pub fn smooth_eps(n: usize) -> f64 {
     0.125 - (TAU / n as f64).cos() / 4.0
 }

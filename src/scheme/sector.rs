@@ -1,11 +1,11 @@
 //! Where a spoke stands among the faces of its vertex, once sharp spokes have cut the fan.
 
-use crate::osd::{Masks, Rule};
+use crate::osd::{Rule, Rules};
 use crate::topology::{Fan, HalfEdge, Mesh};
 
 /// The place of a spoke in its fan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Place {
+pub enum Place {
     /// Nothing cuts the fan: the spoke leads face `position` of a smooth vertex.
     Smooth { position: usize },
     /// The spoke lies between two neighbouring cuts.
@@ -25,9 +25,9 @@ pub(super) enum Place {
 /// At smooth vertices and darts nothing is cut. Else the sharp spokes cut, by their sharpness on this
 /// level for the rule of the parent, on the next for the rule of the child. A fan without a sharp spoke is
 /// treated as smooth whatever the rule of its vertex.
-pub(super) fn for_each_rule<'m>(
+pub fn for_each_rule<'m>(
     mesh: &'m Mesh,
-    masks: &Masks,
+    rules: &Rules,
     h: HalfEdge,
     mut visit: impl FnMut(f64, Rule, Fan<'m>, Place),
 ) {
@@ -35,22 +35,22 @@ pub(super) fn for_each_rule<'m>(
     let (fan, position) = mesh.fan_of_corner(corner);
     let v = mesh.tail(h) as usize;
     let spoke = |i: usize| mesh.corner_half_edge(fan.corners[i]);
-    let parent_weight = masks.parent_weight[v];
+    let parent_weight = rules.parent_weight[v];
     if parent_weight != 0.0 {
-        let rule = masks.parent_rule[v];
-        let cut = |i| !rule.is_smooth() && masks.parent_sharp[spoke(i).edge() as usize];
+        let rule = rules.parent_rule[v];
+        let cut = |i| !rule.is_smooth() && rules.parent_sharp[spoke(i).edge() as usize];
         visit(parent_weight, rule, fan, place(fan, position, cut));
     }
     if parent_weight != 1.0 {
-        let rule = masks.child_rule[v];
-        let cut = |i| !rule.is_smooth() && masks.child_sharp[spoke(i).index()];
+        let rule = rules.child_rule[v];
+        let cut = |i| !rule.is_smooth() && rules.child_sharp[spoke(i).index()];
         visit(1.0 - parent_weight, rule, fan, place(fan, position, cut));
     }
 }
 
 /// The place of the spoke that leads face `position`, `cut(i)` saying whether the spoke of face `i` is cut.
 /// The ends of an open fan are cuts. A single cut in a cyclic fan bounds its sector on both sides.
-fn place(fan: Fan<'_>, position: usize, cut: impl Fn(usize) -> bool) -> Place {
+pub fn place(fan: Fan<'_>, position: usize, cut: impl Fn(usize) -> bool) -> Place {
     let k = fan.corners.len();
     let is_cut = |i: usize| (!fan.cyclic && i.is_multiple_of(k)) || cut(i % k);
     match (0..k).find(|&back| is_cut(position + k - back)) {

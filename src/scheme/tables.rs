@@ -19,7 +19,7 @@ pub(super) fn homotopy(
     odd: impl Fn(u32, &mut Row) + Sync,
 ) -> Homotopy {
     let split = Split::new(kind, mesh);
-    let correction = Correction::new(mesh, masks, weights);
+    let correction = Correction::new(mesh, &masks.edge_face, &masks.rules, weights);
     let h1 = assemble((split.num_children(1), mesh.num_faces()), |edge, row| match split.edge_parent(edge) {
         // The child edge is directed m_e -> v.
         ChildEdge::Even(h) => correction.add_row(h, -1.0, row),

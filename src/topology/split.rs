@@ -161,8 +161,32 @@ impl Split {
         }
     }
 
+    /// The child corner at the vertex of a corner.
+    #[inline]
+    pub fn corner_at(&self, mesh: &Mesh, corner: u32) -> u32 {
+        let place = corner - mesh.corners(mesh.corner_face(corner)).start;
+        match self.kind {
+            // OpenSubdiv turns the children of quads alike, and begins those of other faces at the vertex.
+            SplitKind::Quad if mesh.face_size(mesh.corner_face(corner)) == 4 => 4 * corner + place,
+            SplitKind::Quad => 4 * corner,
+            SplitKind::Triangle => 3 * self.face_at(mesh, corner) + place,
+        }
+    }
+
+    /// The corner of the triangle in the middle opposite to a corner of its parent: at the midpoint of the
+    /// edge that the parent's corner does not touch.
+    ///
+    /// # Panics
+    /// In the quad split, which has no face in the middle.
+    #[inline]
+    pub fn middle_corner(&self, mesh: &Mesh, corner: u32) -> u32 {
+        assert!(self.kind == SplitKind::Triangle, "no face in the middle of a quad split");
+        let face = mesh.corner_face(corner);
+        3 * (4 * face + 3) + (corner - mesh.corners(face).start)
+    }
+
     /// Whether `child` has the counts and edge directions that this table promises for `parent`, and
-    /// each corner's child face lies there.
+    /// the corners of its faces lie there.
     pub fn describes(&self, parent: &Mesh, child: &Mesh) -> bool {
         (0..3).all(|k| self.num_children(k) == child.num_cells(k))
             && child.edges().iter().enumerate().all(|(i, &ends)| ends == self.child_edge_ends(parent, i))
@@ -174,6 +198,12 @@ impl Split {
                     Some(vertices[(at + 1) % vertices.len()])
                 };
                 next(parent.corner_vertex(c)) == Some(self.vertex_of(Parent::Edge(e)))
+                    && child.corner_vertex(self.corner_at(parent, c)) == parent.corner_vertex(c)
+                    && (self.kind == SplitKind::Quad || {
+                        let opposite = parent.corner_half_edge(parent.next_corner(c)).edge();
+                        let middle = child.corner_vertex(self.middle_corner(parent, c));
+                        middle == self.vertex_of(Parent::Edge(opposite))
+                    })
             })
     }
 

@@ -1,6 +1,7 @@
 //! What can be typed. Parsed and range-checked here, settled in [`crate::job`].
 
 mod batch;
+mod help;
 
 use std::path::PathBuf;
 
@@ -12,97 +13,10 @@ use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
 
-// Lines of at most 79 characters: clap breaks longer ones in a narrow terminal, code and all.
-const EXAMPLES: &str = "\
-Examples:
-  What is this cage, and what becomes of its creases, holes and polygons?
-    formwork inspect assets/open_polygons.obj
-
-  Refine a cage and the 1-form on its edges; any glTF viewer opens the result:
-    formwork subdivide assets/creased_box.obj \\
-        --field assets/creased_box.field.json --levels 3 -o box.glb
-
-  Measure that d S = S d, against OpenSubdiv's own weights:
-    formwork validate assets/creased_box.obj --levels 3
-
-`formwork COMMAND --help` tells more. Exit codes: 0 fine, 2 the input or the
-arguments are at fault (one line on stderr says where and what to do), 3 a law
-does not hold, 1 some assets of a batch failed.";
-
-const SUBDIVIDE_HELP: &str = "\
-The field file is JSON. Indices start at 0; cells not listed have the value 0:
-  {\"edges\": [[a, b, value], ...],    1-form: circulation from vertex a to b
-   \"vertices\": [[v, value], ...],    0-form
-   \"faces\": [[f, value], ...]}       2-form: flux, counter-clockwise side positive
-Any of the three may be left out. Without --field, the forms that the mesh file
-holds itself are refined: primvars form0, form1, form2 in USD, extras in glTF.
-
-What is written, by the extension of -o:
-  .usda  the stage of the input with the mesh refined in its place, or a stage
-         of its own; forms as primvars, the field as primvars:form1Vector
-  .glb, .gltf  triangles with normals; the forms as vertex attributes _FORM0
-         and _FORM1 (the tangent vector of the 1-form), all of them in extras,
-         and a node of line segments that shows the field as arrows
-  .json  everything: positions, polygons, edges, forms, a vector for each face
-  .obj   the polygons; OBJ has no place for forms, so they go to a second file,
-         X.fields.json beside X.obj, in the format above
-Faces that are holes are left out. --levels 0 writes the cage itself with its
-tags and holes: that turns one format into another.
-
-Examples:
-  formwork subdivide assets/creased_box.obj \\
-      --field assets/creased_box.field.json -o box.glb
-  formwork subdivide assets/creased_box.obj \\
-      --field assets/creased_box.field.json --levels 2 -o box.usda
-  formwork subdivide assets/scene.usda --prim /Scene/Wave --frames all -o fine.usda
-  formwork subdivide assets/open_polygons.obj --levels 0 -o open.usda
-  formwork subdivide assets/open_polygons.obj --boundary none -o open.json";
-
-const OPERATORS_HELP: &str = "\
-For each level l the archive has l{l}/edges (E, 2), l{l}/face_sizes,
-l{l}/face_vertices and the matrices l{l}/d0 and l{l}/d1; for l >= 1 also the
-matrices l{l}/S0, l{l}/S1, l{l}/S2 from level l - 1 to level l, and
-l{l}/vertex_parent_kind (0 vertex, 1 edge, 2 face), l{l}/vertex_parent_index.
-A matrix M is four arrays, M_data, M_indices, M_indptr and M_shape (compressed
-sparse rows). With npz = numpy.load(\"box.npz\"), SciPy reads it by
-
-  def matrix(npz, name):
-      parts = (npz[f\"{name}_{part}\"] for part in (\"data\", \"indices\", \"indptr\"))
-      return scipy.sparse.csr_matrix(tuple(parts), shape=npz[f\"{name}_shape\"])
-
-Faces that are holes belong to the complex and are here.
-
-Examples:
-  formwork operators assets/creased_box.obj --levels 2 -o box.npz
-  formwork operators assets/open_polygons.obj --doo-sabin original -o open.npz
-  formwork operators assets/creased_box.obj --json -o box.npz";
-
-const VALIDATE_HELP: &str = "\
-For each level: the largest entry of d0 S0 - S1 d0, with OpenSubdiv's own S0,
-and of d1 S1 - S2 d1; how far the column sums of S2 are from 1; the largest
-difference between our S0 and OpenSubdiv's. Then, for a random 0-form, its
-refined differential summed along each control edge, against the difference of
-OpenSubdiv's refined values (equal to rounding) and of its limit values
-(approached by the rate shown: 2 on regular meshes, less next to semi-sharp
-creases, darts and n-gons, where its limit values are not exact). Schemes that
-OpenSubdiv does not have are compared with their own S0.
-
-Examples:
-  formwork validate assets/creased_box.obj --levels 3
-  formwork validate assets/open_polygons.obj --json
-  formwork validate assets/creased_box.obj --boundary edge-and-corner
-  formwork validate assets/gem.obj --scheme modified-loop";
-
-const INSPECT_HELP: &str = "\
-Examples:
-  formwork inspect assets/creased_box.obj
-  formwork inspect assets/open_polygons.obj --boundary none
-  formwork inspect assets/open_polygons.obj --json";
-
 /// Smooth differential forms on OpenSubdiv surfaces: values on vertices, oriented edges and faces, refined
 /// so that d S = S d exactly.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXAMPLES, max_term_width = 100)]
+#[command(version, after_help = help::EXAMPLES, max_term_width = 100)]
 pub struct Args {
     #[command(subcommand)]
     pub command: Command,
@@ -111,16 +25,22 @@ pub struct Args {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Count and classify a cage, and say how it will be treated
-    #[command(after_help = INSPECT_HELP)]
+    #[command(after_help = help::INSPECT)]
     Inspect(Inspect),
     /// Refine a cage, with forms on it, and write the result
-    #[command(after_help = SUBDIVIDE_HELP)]
+    #[command(after_help = help::SUBDIVIDE)]
     Subdivide(Subdivide),
+    /// Put a refined cage, with forms on it, on its limit surface: exact positions, normals, vectors
+    #[command(after_help = help::LIMIT)]
+    Limit(Limit),
+    /// Evaluate the limit surface and the forms on it at points
+    #[command(after_help = help::EVALUATE)]
+    Evaluate(Evaluate),
     /// Write the subdivision operators and exterior derivatives as sparse matrices, for NumPy and SciPy
-    #[command(after_help = OPERATORS_HELP)]
+    #[command(after_help = help::OPERATORS)]
     Operators(Operators),
     /// Measure that the operators commute with d, against OpenSubdiv itself
-    #[command(after_help = VALIDATE_HELP)]
+    #[command(after_help = help::VALIDATE)]
     Validate(Validate),
     /// Refine many assets, failures apart, and go on where the last run stopped
     #[command(after_help = batch::HELP)]
@@ -134,6 +54,8 @@ impl Command {
             Command::Batch(_) => return None,
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
+            Command::Limit(args) => &args.common,
+            Command::Evaluate(args) => &args.common,
             Command::Operators(args) => &args.common,
             Command::Validate(args) => &args.common,
         })
@@ -148,13 +70,36 @@ pub struct Inspect {
 
 #[derive(Debug, clap::Args)]
 pub struct Subdivide {
-    /// Forms on the control cage, as JSON, instead of those that the mesh file holds
-    #[arg(long, value_name = "FIELD.json")]
-    pub field: Option<PathBuf>,
     /// How many times to refine; 0 writes the cage itself
     #[arg(long, short, value_name = "N", default_value_t = 3, value_parser = value_parser!(u8).range(0..=15))]
     pub levels: u8,
-    /// The file to write: .usda, .glb, .gltf, .obj or .json
+    /// Put the result on the limit surface
+    #[arg(long)]
+    pub limit: bool,
+    #[command(flatten)]
+    pub writing: Writing,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct Limit {
+    /// How many times to refine first; 0 takes the vertices of the cage
+    #[arg(long, short, value_name = "N", default_value_t = 2, value_parser = value_parser!(u8).range(0..=15))]
+    pub level: u8,
+    #[command(flatten)]
+    pub writing: Writing,
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// What a refined mesh carries, and where it goes.
+#[derive(Debug, clap::Args)]
+pub struct Writing {
+    /// Forms on the control cage, as JSON, instead of those that the mesh file holds
+    #[arg(long, value_name = "FIELD.json")]
+    pub field: Option<PathBuf>,
+    /// The file to write: .usda, .glb, .gltf, .obj, .json or .npz
     #[arg(long, short, value_name = "OUT")]
     pub output: PathBuf,
     /// USD: the time samples to refine: `all`, a range `1:24`, or one time `12.5`
@@ -163,6 +108,22 @@ pub struct Subdivide {
     /// glTF: also write the direction of the 1-form as TANGENT, for shaders
     #[arg(long)]
     pub tangents: bool,
+}
+
+#[derive(Debug, clap::Args)]
+pub struct Evaluate {
+    /// Forms on the control cage, as JSON
+    #[arg(long, value_name = "FIELD.json")]
+    pub field: Option<PathBuf>,
+    /// The points, as JSON
+    #[arg(long, value_name = "P.json", conflicts_with = "per_face", required_unless_present = "per_face")]
+    pub points: Option<PathBuf>,
+    /// K x K points in every face
+    #[arg(long, value_name = "K", value_parser = value_parser!(u32).range(1..=1000))]
+    pub per_face: Option<u32>,
+    /// The file to write: .json or .npz
+    #[arg(long, short, value_name = "OUT")]
+    pub output: PathBuf,
     #[command(flatten)]
     pub common: Common,
 }

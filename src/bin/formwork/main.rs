@@ -40,7 +40,9 @@ fn main() -> ExitCode {
     };
     let outcome = match args.command {
         Command::Inspect(args) => run::inspect::run(&args),
-        Command::Subdivide(args) => run::subdivide::run(&args),
+        Command::Subdivide(args) => run::subdivide::run(&args.into()),
+        Command::Limit(args) => run::subdivide::run(&args.into()),
+        Command::Evaluate(args) => run::evaluate::run(&args),
         Command::Operators(args) => run::operators::run(&args),
         Command::Validate(args) => run::validate::run(&args),
         Command::Batch(args) => run::batch::run(&args),

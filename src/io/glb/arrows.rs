@@ -19,10 +19,34 @@ pub(super) struct Lines {
     pub indices: Vec<u32>,
 }
 
-/// An arrow for each face of the surface whose vector is not zero, centred at the face, lying along it.
-pub(super) fn arrows(surface: &Surface, vectors: &[Vector3<f64>]) -> Lines {
+/// Where an arrow lies, the unit normal there, and its vector.
+type Anchor = (Vector3<f64>, Vector3<f64>, Vector3<f64>);
+
+/// The anchors of a surface: its vertices on a limit surface, else its faces.
+fn anchors(surface: &Surface) -> Vec<Anchor> {
     let (mesh, positions) = (surface.mesh(), surface.positions());
-    let longest = surface.faces().map(|f| vectors[f as usize].norm()).fold(0.0, f64::max);
+    if let Some(at) = surface.at_vertices() {
+        let Some([vectors, _]) = &at.vectors else { return Vec::new() };
+        let mut written = vec![false; mesh.num_vertices()];
+        surface.drawn_faces().flat_map(|f| mesh.face_vertices(f)).for_each(|&v| written[v as usize] = true);
+        let vertices = (0..mesh.num_vertices()).filter(|&v| written[v]);
+        return vertices.map(|v| (positions[v], at.normals[v], vectors[v])).collect();
+    }
+    let Some(vectors) = surface.face_vectors() else { return Vec::new() };
+    let centres = field::face_centres(mesh, positions);
+    let areas = face_areas(mesh, positions);
+    let anchor = |f: u32| {
+        let normal = areas[f as usize].try_normalize(0.0)?;
+        Some((centres[f as usize], normal, vectors[f as usize]))
+    };
+    surface.drawn_faces().filter_map(anchor).collect()
+}
+
+/// An arrow at each anchor whose vector is not zero, centred there, lying along the surface.
+pub(super) fn arrows(surface: &Surface) -> Lines {
+    let (mesh, positions) = (surface.mesh(), surface.positions());
+    let anchors = anchors(surface);
+    let longest = anchors.iter().map(|(_, _, vector)| vector.norm()).fold(0.0, f64::max);
     if longest == 0.0 || !longest.is_finite() {
         return Lines::default();
     }
@@ -32,17 +56,14 @@ pub(super) fn arrows(surface: &Surface, vectors: &[Vector3<f64>]) -> Lines {
     };
     let mean_edge = surface.edges().map(length).sum::<f64>() / surface.edges().len() as f64;
 
-    let centres = field::face_centres(mesh, positions);
-    let areas = face_areas(mesh, positions);
     let mut lines = Lines::default();
-    for f in surface.drawn_faces() {
+    for (centre, normal, vector) in anchors {
         // The longest vector may be tiny or huge: divide before multiplying.
-        let arrow = vectors[f as usize] / longest * (LONGEST * mean_edge);
-        let Some(normal) = areas[f as usize].try_normalize(0.0) else { continue };
+        let arrow = vector / longest * (LONGEST * mean_edge);
         if arrow.norm() == 0.0 {
             continue;
         }
-        let tip = centres[f as usize] + normal * (LIFT * mean_edge) + arrow / 2.0;
+        let tip = centre + normal * (LIFT * mean_edge) + arrow / 2.0;
         let side = normal.cross(&arrow);
         let first = lines.points.len() as u32;
         lines.points.extend([

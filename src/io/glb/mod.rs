@@ -4,11 +4,12 @@
 //!
 //! - Node `surface`: the faces as triangles (polygons as fans) with `POSITION`, `NORMAL` and, where there
 //!   are such forms, the vertex attributes `_FORM0` (SCALAR, the 0-form) and `_FORM1` (VEC3, the tangent
-//!   vector of the 1-form, the mean over the faces round each vertex); `TANGENT`, its direction, when asked
+//!   vector of the 1-form, the mean over the faces round each vertex, or the exact one on a limit surface); `TANGENT`, its direction, when asked
 //!   for. The node's extras have all that triangles cannot say, under the key `formwork`: the object of
 //!   [`json`](super::json) without positions. So a file reads back to the same polygons, tags and forms;
 //!   positions are 32-bit floats in glTF.
-//! - Node `form1 arrows`, where the 1-form is not zero: lines, an arrow at the centre of each face. The
+//! - Node `form1 arrows`, where the 1-form is not zero: lines, an arrow at the centre of each face, or at each
+//!   vertex of a limit surface. The
 //!   longest is 0.9 times the mean edge length, the others in proportion.
 //!
 //! Faces that are holes are not drawn.

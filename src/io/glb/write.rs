@@ -66,7 +66,10 @@ fn build(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Contain
         || limit(path, "a value is too large for the 32-bit floats of glTF: write .json or .obj instead");
 
     let mut glb = Container::new();
-    let normals = field::vertex_normals(mesh, positions);
+    let normals = match surface.at_vertices() {
+        Some(at) => at.normals.clone(),
+        None => field::vertex_normals(mesh, positions),
+    };
     let mut attributes = vec![
         (Semantic::Positions, glb.points(&singles(positions.values()).ok_or_else(too_large)?)),
         (Semantic::Normals, glb.vectors(&singles(&normals).ok_or_else(too_large)?)),
@@ -78,8 +81,9 @@ fn build(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Contain
         }
         attributes.push((Semantic::Extras("FORM0".into()), glb.scalars(&values)));
     }
-    if let Some(vectors) = surface.face_vectors() {
-        let vectors = field::vertex_vectors(mesh, vectors);
+    let limit_vectors = surface.at_vertices().and_then(|at| at.vectors.as_ref()).map(|[vectors, _]| vectors);
+    let mean = || surface.face_vectors().map(|vectors| field::vertex_vectors(mesh, vectors));
+    if let Some(vectors) = limit_vectors.cloned().or_else(mean) {
         attributes
             .push((Semantic::Extras("FORM1".into()), glb.vectors(&singles(&vectors).ok_or_else(too_large)?)));
         if options.tangents {
@@ -96,14 +100,12 @@ fn build(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Contain
     let look = material([0.8, 0.8, 0.78, 1.0]);
     glb.node(SURFACE, attributes, indices, Mode::Triangles, look, Some(extras));
 
-    if let Some(vectors) = surface.face_vectors() {
-        let arrows = arrows::arrows(surface, vectors);
-        if !arrows.indices.is_empty() {
-            let points = glb.points(&singles(&arrows.points).ok_or_else(too_large)?);
-            let indices = glb.indices(&arrows.indices);
-            let attributes = vec![(Semantic::Positions, points)];
-            glb.node(ARROWS, attributes, indices, Mode::Lines, material([0.05, 0.2, 0.6, 1.0]), None);
-        }
+    let arrows = arrows::arrows(surface);
+    if !arrows.indices.is_empty() {
+        let points = glb.points(&singles(&arrows.points).ok_or_else(too_large)?);
+        let indices = glb.indices(&arrows.indices);
+        let attributes = vec![(Semantic::Positions, points)];
+        glb.node(ARROWS, attributes, indices, Mode::Lines, material([0.05, 0.2, 0.6, 1.0]), None);
     }
     Ok(glb)
 }

@@ -7,7 +7,8 @@ use crate::topology::{
     BoundaryInterpolation, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };
 
-/// Writes a mesh: `v` and `f` lines, numbers that read back to the same bits, and the tags of a cage.
+/// Writes a mesh: `v` and `f` lines, numbers that read back to the same bits; `vn` too if it lies on its limit,
+/// the tags if it is a cage.
 ///
 /// OBJ has no place for forms. If the surface has some, they go to a second file, [`fields_path`], with
 /// the indices of the written mesh. Returns the paths written.
@@ -20,10 +21,16 @@ pub fn write(path: &Path, surface: &Surface) -> Result<Vec<PathBuf>, IoError> {
         for x in surface.positions().values() {
             writeln!(out, "v {} {} {}", x.x, x.y, x.z)?;
         }
+        for n in surface.at_vertices().map_or(&[][..], |at| &at.normals) {
+            writeln!(out, "vn {} {} {}", n.x, n.y, n.z)?;
+        }
         for face in surface.faces() {
             write!(out, "f")?;
             for &v in surface.mesh().face_vertices(face) {
-                write!(out, " {}", v + 1)?;
+                match surface.at_vertices() {
+                    Some(_) => write!(out, " {0}//{0}", v + 1)?,
+                    None => write!(out, " {}", v + 1)?,
+                }
             }
             writeln!(out)?;
         }

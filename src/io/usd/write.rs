@@ -7,10 +7,10 @@ use super::build::{Editor, Moving, empty_stage, extent, integers, triples32};
 use super::layer::Prim;
 use super::{CREASING, Stage};
 use super::{follow, text};
-use crate::cochain::Cochain;
 use crate::field;
 use crate::io::forms::file_half_edges;
-use crate::io::{Asset, IoError, Positions, Surface};
+use crate::io::surface::face_areas;
+use crate::io::{Asset, AtVertices, IoError, Pose, Positions, Surface};
 use crate::osd::OsdScheme;
 use crate::topology::{BoundaryInterpolation, CreasingMethod, Descriptor, TriangleSubdivision};
 
@@ -149,7 +149,7 @@ fn write_refined(editor: &mut Editor, surface: &Surface) -> Option<()> {
     editor.set("faceVertexCounts", "int[]", integers(surface.faces().map(|f| mesh.face_size(f) as u32)));
     let vertices = surface.faces().flat_map(|f| mesh.face_vertices(f).iter().copied());
     editor.set("faceVertexIndices", "int[]", integers(vertices));
-    let points = moving(surface, |positions| triples32(positions.values()))?;
+    let points = moving(surface, |positions, _| triples32(positions.values()))?;
     let extent = Moving {
         rest: extent(&points.rest),
         samples: points.samples.iter().map(|(time, points)| (*time, extent(points))).collect(),
@@ -158,15 +158,18 @@ fn write_refined(editor: &mut Editor, surface: &Surface) -> Option<()> {
     editor.set("extent", "float3[]", extent);
 
     let one_sided = surface.is_one_sided();
-    let normals = moving(surface, |positions| match one_sided {
-        false => triples32(&field::vertex_normals(mesh, positions)),
-        true => {
-            let means = surface.corner_means(&crate::io::surface::face_areas(mesh, positions));
+    let on_limit = surface.at_vertices().is_some();
+    let normals = moving(surface, |positions, at_vertices| match at_vertices {
+        Some(at) => triples32(&at.normals),
+        None if !one_sided => triples32(&field::vertex_normals(mesh, positions)),
+        None => {
+            let means = surface.corner_means(&face_areas(mesh, positions));
             triples32(&means.iter().map(|n| n.try_normalize(0.0).unwrap_or(Vector3::z())).collect::<Vec<_>>())
         }
     })?;
+    let interpolation = if one_sided && !on_limit { "faceVarying" } else { "vertex" };
     editor.remove("primvars:normals");
-    editor.set_primvar("normals", "normal3f[]", if one_sided { "faceVarying" } else { "vertex" }, normals);
+    editor.set_primvar("normals", "normal3f[]", interpolation, normals);
     Some(())
 }
 
@@ -182,7 +185,15 @@ fn write_forms(editor: &mut Editor, surface: &Surface) -> Option<()> {
         let half_edges = surface.faces().flat_map(|f| file_half_edges(descriptor, mesh, f));
         set_form(editor, 1, "faceVarying", half_edges.map(|h| form.along(h)).collect())?;
         let one_sided = surface.is_one_sided();
-        let vectors = moving(surface, |positions| {
+        let vectors = moving(surface, |positions, at_vertices| {
+            if let Some(at) = at_vertices {
+                let [of_vertices, of_corners] = at.vectors.as_ref()?;
+                let written = surface.faces().flat_map(|f| mesh.corners(f));
+                return match one_sided {
+                    false => triples32(of_vertices),
+                    true => triples32(written.map(|c| &of_corners[c as usize])),
+                };
+            }
             let of_face = match std::ptr::eq(positions, surface.positions()) {
                 true => surface.face_vectors().unwrap_or_default().to_vec(),
                 false => field::face_vectors(mesh, positions, form),
@@ -216,11 +227,15 @@ fn set_form(editor: &mut Editor, degree: usize, interpolation: &str, values: Vec
     Some(())
 }
 
-/// A value that follows from positions, for each frame; the first is the value at rest.
-fn moving(surface: &Surface, value: impl Fn(&Positions) -> Option<Value>) -> Option<Moving> {
-    let sample = |(time, positions): &(f64, Cochain<0, Vector3<f64>>)| Some((*time, value(positions)?));
+/// A value that follows from positions and, on the limit, what is known there, for each frame; the first is the
+/// value at rest.
+fn moving(
+    surface: &Surface,
+    value: impl Fn(&Positions, Option<&AtVertices>) -> Option<Value>,
+) -> Option<Moving> {
+    let sample = |pose: &Pose| Some((pose.time, value(&pose.positions, pose.at_vertices.as_ref())?));
     let samples = surface.frames().iter().map(sample).collect::<Option<Vec<_>>>()?;
-    Some(Moving { rest: value(surface.positions())?, samples })
+    Some(Moving { rest: value(surface.positions(), surface.at_vertices())?, samples })
 }
 
 /// What a stage should say and this one does not; what USD assumes then is said.

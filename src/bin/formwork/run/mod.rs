@@ -1,9 +1,11 @@
 //! What the commands do, one module each. Every one returns an [`Outcome`]; `main` prints it.
 
 pub mod batch;
+pub mod evaluate;
 pub mod inspect;
 pub mod operators;
 pub mod subdivide;
+mod to_limit;
 pub mod validate;
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};

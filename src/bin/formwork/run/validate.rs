@@ -16,6 +16,7 @@ pub fn run(args: &Validate) -> Result<Outcome, Failure> {
         "mesh": job.asset.name,
         "scheme": scheme_name(job.scheme),
         "levels": report.levels,
+        "limit_laws": report.limit_laws,
         "limit": report.limit,
         "tolerance": report.tolerance,
         "worst": report.worst(),
@@ -38,18 +39,30 @@ fn table(heading: &str, report: &Report) -> String {
             optional(row.s0_minus_opensubdiv)
         );
     }
+    text += "\nLaws of the limit, largest deviation\n";
+    text += "level   L1 d0 - d0 L0   L2 d1 - d1 L1       R L' S - L   L0 - OpenSubdiv's where exact\n";
+    for row in &report.limit_laws {
+        text += &format!(
+            "{:>5}   {:>13}   {:>13}   {:>14}   {:>28}\n",
+            row.level,
+            short(row.l1_d0_minus_d0_l0),
+            short(row.l2_d1_minus_d1_l1),
+            optional(row.restricted),
+            optional(row.l0_minus_opensubdiv)
+        );
+    }
     text += "\nA refined differential, summed along each control edge\n";
-    text += "level   - OpenSubdiv's refined values   - OpenSubdiv's limit values   rate\n";
+    text += "level   - OpenSubdiv's refined values   - limit circulation   rate\n";
     for row in &report.limit {
         let rate = row.rate.map_or("-".to_owned(), |rate| format!("{rate:.2}"));
         text += &format!(
-            "{:>5}   {:>29}   {:>27}   {rate:>4}\n",
+            "{:>5}   {:>29}   {:>19}   {rate:>4}\n",
             row.level,
             short(row.telescoped_minus_refined),
-            optional(row.telescoped_minus_limit)
+            short(row.telescoped_minus_limit)
         );
     }
-    if report.limit.iter().any(|row| row.telescoped_minus_limit.is_none()) {
+    if report.levels.iter().any(|row| row.s0_minus_opensubdiv.is_none()) {
         text += "\nOpenSubdiv has no such scheme: S0 and the refined values are formwork's own.\n";
     }
     let verdict = if report.holds() { "OK" } else { "FAIL" };

@@ -1,18 +1,24 @@
 //! The laws of a hierarchy, measured against OpenSubdiv itself.
 //!
 //! Exact laws hold to rounding: `d0' S0 = S1 d0` with **OpenSubdiv's own** `S0` (its stencil table),
-//! `d1' S1 = S2 d1`, columns of `S2` summing to 1, and our `S0` equal to OpenSubdiv's. The limit is
-//! approached by a rate: for a random 0-cochain `x` the level-`l` cochain `S1 .. S1 d0 x`, summed along
-//! the descendants of each control edge, telescopes to the difference of OpenSubdiv's level-`l` values at
-//! its ends, and tends to the difference of OpenSubdiv's limit values.
+//! `d1' S1 = S2 d1`, columns of `S2` summing to 1, and our `S0` equal to OpenSubdiv's; in the limit
+//! `L1 d0 = d0 L0`, `L2 d1 = d1 L1`, `R L' S = L`, and `L0` equal to OpenSubdiv's limit masks where those are
+//! exact. The limit is approached by a rate: for a random 0-cochain `x` the level-`l` cochain `S1 .. S1 d0 x`,
+//! summed along the descendants of each control edge, telescopes to the difference of OpenSubdiv's level-`l`
+//! values at its ends, and tends to the limit circulation `L1 d0 x`.
+
+mod limit;
+
+pub use limit::LimitLaws;
 
 use serde::Serialize;
 
 use crate::cochain::Cochain;
 use crate::hierarchy::{Hierarchy, HierarchyError, refiner};
+use crate::limit::Limit;
 use crate::osd::Refiner;
 use crate::scheme::Scheme;
-use crate::sparse::{apply, max_difference, multiply};
+use crate::sparse::{max_difference, multiply};
 use crate::topology::{Cage, HalfEdge};
 
 /// What exact laws are held to: weights are of order 1 and rows have some dozens of entries.
@@ -50,12 +56,10 @@ pub struct LimitRow {
     /// The largest difference, over the control edges, to the difference of OpenSubdiv's own values (of
     /// ours, if OpenSubdiv has no such scheme).
     pub telescoped_minus_refined: f64,
-    /// The largest difference to the difference of OpenSubdiv's limit values. Those are not exact at
-    /// darts, next to semi-sharp features that have not decayed and at valence 2. None if OpenSubdiv has no
-    /// such scheme.
-    pub telescoped_minus_limit: Option<f64>,
-    /// The base-2 logarithm of the last column's ratio to the level before; 2 on a regular mesh. None on
-    /// the first level and once the difference is rounding.
+    /// The largest difference to the limit circulation, `L1 d0 x` on the cage.
+    pub telescoped_minus_limit: f64,
+    /// The base-2 logarithm of the last column's ratio to the level before; 2 on a regular mesh, where semi-sharp
+    /// features have decayed. None on the first level and once the difference is rounding.
     pub rate: Option<f64>,
 }
 
@@ -64,6 +68,8 @@ pub struct LimitRow {
 pub struct Report {
     /// The exact laws of each step.
     pub levels: Vec<LevelLaws>,
+    /// The laws of the limit, from level 0 on.
+    pub limit_laws: Vec<LimitLaws>,
     /// The approach to the limit, from level 0 on.
     pub limit: Vec<LimitRow>,
     /// What the exact laws are held to.
@@ -74,8 +80,9 @@ impl Report {
     /// The worst number of an exact law, telescoping included.
     pub fn worst(&self) -> f64 {
         let levels = self.levels.iter().map(LevelLaws::worst);
+        let limit_laws = self.limit_laws.iter().map(LimitLaws::worst);
         let limit = self.limit.iter().map(|row| row.telescoped_minus_refined);
-        levels.chain(limit).fold(0.0, worse)
+        levels.chain(limit_laws).chain(limit).fold(0.0, worse)
     }
 
     /// Whether all exact laws hold to [`TOLERANCE`].
@@ -108,7 +115,14 @@ pub fn measure(
         rows.push(exact_laws(&hierarchy, refiner, level)?);
         progress(level);
     }
-    Ok(Report { levels: rows, limit: limit_rows(&hierarchy, refiner)?, tolerance: TOLERANCE })
+    let limits: Vec<Limit> =
+        (0..=levels).map(|level| Limit::new(&hierarchy, level)).collect::<Result<_, _>>()?;
+    Ok(Report {
+        levels: rows,
+        limit_laws: limit::laws(&hierarchy, refiner, &limits)?,
+        limit: limit_rows(&hierarchy, refiner, &limits[0])?,
+        tolerance: TOLERANCE,
+    })
 }
 
 fn exact_laws(
@@ -136,7 +150,11 @@ fn exact_laws(
     })
 }
 
-fn limit_rows(hierarchy: &Hierarchy, opensubdiv: Option<&Refiner>) -> Result<Vec<LimitRow>, HierarchyError> {
+fn limit_rows(
+    hierarchy: &Hierarchy,
+    opensubdiv: Option<&Refiner>,
+    limit: &Limit,
+) -> Result<Vec<LimitRow>, HierarchyError> {
     let cage = hierarchy.level(0).mesh();
     let mut values = vec![Cochain::<0>::new(random_values(cage.num_vertices()))];
     for level in 1..=hierarchy.num_levels() {
@@ -146,36 +164,33 @@ fn limit_rows(hierarchy: &Hierarchy, opensubdiv: Option<&Refiner>) -> Result<Vec
             None => hierarchy.refine(level, coarse),
         });
     }
-    let finest = values[hierarchy.num_levels()].values();
-    let limit = match opensubdiv {
-        Some(refiner) => Some(apply(&refiner.limit_stencils()?.position, finest)),
-        None => None,
-    };
-
     let mut rows: Vec<LimitRow> = Vec::with_capacity(values.len());
     let mut form = values[0].exterior_derivative(cage);
-    for (level, refined) in values.iter().enumerate() {
+    let limit = limit.apply(cage, &form);
+    for level in 0..values.len() {
         if level > 0 {
             form = hierarchy.refine(level, &form);
         }
         // Control vertices keep their numbers on every level.
-        let largest_difference = |values: &[f64]| {
-            let difference = |e: u32| {
-                let [a, b] = cage.edges()[e as usize].map(|v| v as usize);
-                (telescope(hierarchy, &form, level, HalfEdge::new(e, true)) - (values[b] - values[a])).abs()
-            };
-            (0..cage.num_edges() as u32).map(difference).fold(0.0, worse)
+        let x = values[level].values();
+        let refined = |e: usize| {
+            let [a, b] = cage.edges()[e].map(|v| x[v as usize]);
+            b - a
         };
-        let telescoped_minus_limit = limit.as_deref().map(largest_difference);
-        let before = rows.last().and_then(|row| row.telescoped_minus_limit);
+        let largest = |target: &dyn Fn(usize) -> f64| {
+            let along = |e: usize| telescope(hierarchy, &form, level, HalfEdge::new(e as u32, true));
+            (0..cage.num_edges()).map(|e| (along(e) - target(e)).abs()).fold(0.0, worse)
+        };
+        let telescoped_minus_limit = largest(&|e| limit[e]);
+        let before = rows.last().map(|row| row.telescoped_minus_limit);
         let above_rounding = |x: &f64| *x >= TOLERANCE;
         let rate = before
             .filter(above_rounding)
-            .zip(telescoped_minus_limit.filter(above_rounding))
+            .zip(Some(telescoped_minus_limit).filter(above_rounding))
             .map(|(before, now)| (before / now).log2());
         rows.push(LimitRow {
             level,
-            telescoped_minus_refined: largest_difference(refined.values()),
+            telescoped_minus_refined: largest(&refined),
             telescoped_minus_limit,
             rate,
         });

@@ -1,0 +1,45 @@
+//! What the benchmarks share.
+#![allow(dead_code)] // each benchmark uses its own part
+
+use std::time::{Duration, Instant};
+
+#[path = "../../tests/common/meshes.rs"]
+pub mod meshes;
+
+pub const RUNS: usize = 5;
+
+/// Times the tasks in turn, over and over, so that a drift of the machine meets all alike; medians in
+/// milliseconds.
+pub fn paired<const N: usize>(mut tasks: [&mut dyn FnMut(); N]) -> [f64; N] {
+    let mut times = [const { Vec::new() }; N];
+    for _ in 0..RUNS {
+        for (task, times) in tasks.iter_mut().zip(&mut times) {
+            let start = Instant::now();
+            task();
+            times.push(start.elapsed());
+        }
+    }
+    times.map(|mut times: Vec<Duration>| {
+        times.sort_unstable();
+        times[RUNS / 2].as_secs_f64() * 1e3
+    })
+}
+
+/// Numbers that look random, below a bound.
+pub struct Random(u32);
+
+impl Random {
+    pub fn new() -> Self {
+        Random(1)
+    }
+
+    pub fn below(&mut self, bound: u32) -> u32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 8) % bound
+    }
+
+    /// From 0 to 1.
+    pub fn unit(&mut self) -> f64 {
+        f64::from(self.below(1 << 24)) / f64::from(1 << 24)
+    }
+}
