@@ -19,13 +19,16 @@ use formwork::topology::{Cage, Descriptor, Mesh, SplitKind};
 
 const POINTS: usize = 1_000_000;
 
+/// A name, how to make the mesh, and its scheme.
+type Case = (&'static str, fn() -> Descriptor, Scheme);
+
 fn main() {
     println!("{POINTS} points; medians of {RUNS}; as ratios to Bfr's position and derivatives, one thread");
     let catmark = Scheme::default();
     let loop_ = Scheme::Loop(Variant::Loop, BoundaryRule::Reflect);
     // `cargo bench --bench evaluate -- set-up` runs what has this in its name.
     let wanted = std::env::args().skip(1).find(|arg| !arg.starts_with('-')).unwrap_or_default();
-    let meshes: [(&str, fn() -> Descriptor, Scheme); 4] = [
+    let meshes: [Case; 4] = [
         ("quads, regular", || meshes::grid(100, 100, true), catmark),
         ("quads, irregular", || quads_of(&random_triangles(40)), catmark),
         ("triangles, regular", || meshes::hexagonal_torus(100, 50), loop_),

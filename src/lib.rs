@@ -43,8 +43,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A [`limit::Limit`] says what a cochain becomes in the limit of refinement, and a [`limit::LimitSurface`] evaluates it,
+//! and the surface, at points.
+//!
 //! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
-//! `scheme`; `hierarchy`; `laws`. `ARCHITECTURE.md` draws them.
+//! `scheme`; `hierarchy`; `limit`; `laws`. `ARCHITECTURE.md` draws them.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]

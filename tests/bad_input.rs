@@ -228,11 +228,32 @@ fn fields() {
 }
 
 #[test]
+fn points() {
+    let bad = |points: &str, words: &[&str]| {
+        let files: [(&str, &[u8]); 2] = [("cube.obj", CUBE.as_bytes()), ("p.json", points.as_bytes())];
+        refused(&files, &["evaluate", "cube.obj", "--points", "p.json", "-o", "out.npz"], words);
+    };
+    bad("{", &["p.json: line 1", "write {\"points\""]);
+    bad(r#"{"points": [[0, 0.5]]}"#, &["p.json: points[0] = `[0,0.5]`", "correct it"]);
+    bad(r#"{"points": [[0, 0, 0], [6, 0, 0]]}"#, &["p.json: points[1]: there is no face 6", "0 to 5"]);
+    bad(r#"{"points": [[0, 4, 0, 0]]}"#, &["p.json: points[0]: face 0 has no corner 4"]);
+    bad(r#"{"points": [[0, 1.5, 0]]}"#, &["p.json: points[0]: (s, t) = (1.5, 0) is outside face 0"]);
+    let pentagon = "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 1 2 3 4 5\n";
+    let files: [(&str, &[u8]); 2] =
+        [("p.obj", pentagon.as_bytes()), ("p.json", br#"{"points": [[0, 0.5, 0.5]]}"#)];
+    let words = ["p.json: points[0]: face 0 has 5 corners", "write [0, corner, s, t]"];
+    refused(&files, &["evaluate", "p.obj", "--points", "p.json", "-o", "out.json"], &words);
+}
+
+#[test]
 fn outputs() {
     let refuse = |out: &str, words: &[&str]| {
         bad_arguments(&["subdivide", "cube.obj", "--field", "cube.fields.json", "-o", out], words);
     };
-    refuse("out.stl", &["out.stl: has the extension .stl", "choose .obj, .json, .glb, .gltf, .usda, .usd, .npz"]);
+    refuse(
+        "out.stl",
+        &["out.stl: has the extension .stl", "choose .obj, .json, .glb, .gltf, .usda, .usd, .npz"],
+    );
     refuse("out", &["out: has no extension", "choose .obj, .json, .glb, .gltf, .usda, .usd"]);
     refuse("cube.obj", &["cube.obj: the output would replace the input cube.obj: choose another name"]);
     refuse("out.usdc", &["out.usdc: has the extension .usdc, which is not written here", "usdcat"]);

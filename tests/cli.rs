@@ -102,7 +102,18 @@ fn validate_prints_a_verdict() {
         object(folder.path(), &["validate", &cube, "--levels", "2", "--json", "--doo-sabin", "original"]);
     assert_eq!(
         keys(&report),
-        ["command", "holds", "levels", "limit", "mesh", "notes", "scheme", "tolerance", "worst"]
+        [
+            "command",
+            "holds",
+            "levels",
+            "limit",
+            "limit_laws",
+            "mesh",
+            "notes",
+            "scheme",
+            "tolerance",
+            "worst"
+        ]
     );
     assert_eq!(report["holds"], true);
     assert_eq!(report["levels"].as_array().unwrap().len(), 2);
@@ -119,6 +130,8 @@ fn the_examples_in_the_help_run() {
         &["--help"][..],
         &["inspect", "--help"],
         &["subdivide", "--help"],
+        &["limit", "--help"],
+        &["evaluate", "--help"],
         &["operators", "--help"],
         &["validate", "--help"],
         &["limit", "--help"],

@@ -282,3 +282,23 @@ fn limits_of_other_weights_hold_on_shapes() {
         }
     }
 }
+
+#[test]
+fn high_valences_share_their_models() {
+    // A boundary vertex of 200 faces has 200 configurations, one for each place in its sector.
+    let mut open = fan(&[4; 200]);
+    open.face_sizes.truncate(199);
+    open.face_vertices.truncate(4 * 199);
+    let cage = Cage::new(open).unwrap();
+    let surface = formwork::limit::LimitSurface::new(&cage, Scheme::default()).unwrap();
+    let x = surface.refine(&Cochain::<0>::new(random(cage.descriptor().num_vertices, 4)));
+    let hierarchy = Hierarchy::new(&cage, Scheme::default(), 0).unwrap();
+    let mesh = hierarchy.level(0).mesh();
+    let limit = Limit::new(&hierarchy, 0).unwrap();
+    let values = Cochain::<0>::new(random(mesh.num_vertices(), 4));
+    let expected = limit.apply(mesh, &values)[0];
+    let points: Vec<_> =
+        (0..199).map(|face| formwork::limit::SurfacePoint { face, corner: 0, s: 0.0, t: 0.0 }).collect();
+    let jets = surface.evaluate_0(&x, &points).unwrap();
+    assert!(jets.iter().all(|jet| (jet.value - expected).abs() < 1e-12));
+}

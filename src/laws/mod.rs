@@ -167,12 +167,11 @@ fn limit_rows(
     let mut rows: Vec<LimitRow> = Vec::with_capacity(values.len());
     let mut form = values[0].exterior_derivative(cage);
     let limit = limit.apply(cage, &form);
-    for level in 0..values.len() {
+    for (level, x) in values.iter().map(|x| x.values()).enumerate() {
         if level > 0 {
             form = hierarchy.refine(level, &form);
         }
         // Control vertices keep their numbers on every level.
-        let x = values[level].values();
         let refined = |e: usize| {
             let [a, b] = cage.edges()[e].map(|v| x[v as usize]);
             b - a

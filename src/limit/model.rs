@@ -4,10 +4,12 @@
 //! written down: a small cage with the wanted vertex in the middle is refined by the ordinary machinery, and the
 //! rows of its operators between two late levels, where all else is regular, are the table.
 
+use std::sync::OnceLock;
+
 use nalgebra::DMatrix;
 
 use super::neighbourhood::{Cells, Configuration, around_corner, around_face, fan_cells, patch_cells};
-use crate::hierarchy::{Hierarchy, HierarchyError};
+use crate::hierarchy::{Hierarchy, HierarchyError, Operators};
 use crate::osd::{Refiner, Rule, Tags};
 use crate::scheme::{Scheme, Variant};
 use crate::sparse::{Csr, assemble, row_of};
@@ -44,6 +46,7 @@ pub fn cage(kind: SplitKind, c: Configuration) -> Cage {
 /// A refined cage with one configuration in its middle.
 pub struct Model {
     hierarchy: Hierarchy,
+    operators: Vec<OnceLock<Operators>>,
 }
 
 impl Model {
@@ -61,12 +64,18 @@ impl Model {
             true => cage(kind, Configuration::new(Rule::Crease, false, 1, 0)),
             false => cage(kind, configuration),
         };
-        Ok(Model { hierarchy: Hierarchy::new(&cage, scheme, levels)? })
+        let hierarchy = Hierarchy::new(&cage, scheme, levels)?;
+        Ok(Model { hierarchy, operators: (0..=levels).map(|_| OnceLock::new()).collect() })
     }
 
     /// The levels.
     pub fn hierarchy(&self) -> &Hierarchy {
         &self.hierarchy
+    }
+
+    /// The operators from `level - 1` to `level`, made once.
+    pub fn operators(&self, level: usize) -> &Operators {
+        self.operators[level].get_or_init(|| self.hierarchy.operators(level))
     }
 
     /// The corner on `level` that has the configuration, and the cells that matter to its face.

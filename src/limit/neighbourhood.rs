@@ -45,6 +45,11 @@ impl Configuration {
     pub fn new(rule: Rule, cyclic: bool, faces: u32, position: u32) -> Self {
         Configuration { rule, cyclic, faces, position, pinched: false }
     }
+
+    /// The same at the first position.
+    pub fn anywhere(self) -> Self {
+        Configuration { position: 0, ..self }
+    }
 }
 
 /// The configuration of a corner from which the surroundings of its face can be told, and the corners of its

@@ -8,20 +8,13 @@
 //! 1-form   N2(s) N3(t) ds  on 3 x 4 edges along s,   N3(s) N2(t) dt  on 4 x 3 edges along t
 //! ```
 //!
+//! The coefficients are those of the grid row by row, of a 1-form those along `s` first.
+//!
 //! On triangles they are quartic (0- and 1-forms) and cubic (2-forms) polynomials in Bernstein form;
 //! [`super::triangle`] has them.
 
 use crate::sparse::Value;
 use crate::topology::SplitKind;
-
-/// Numbers of coefficients of a patch, by degree: grids of 16 vertices, 24 edges (those along `s` first, row by
-/// row), 9 faces; polynomials of 15, two times 15, 10 coefficients.
-pub fn sizes(kind: SplitKind) -> [usize; 3] {
-    match kind {
-        SplitKind::Quad => [16, 24, 9],
-        SplitKind::Triangle => [15, 30, 10],
-    }
-}
 
 /// A value with its derivatives by `s` and `t`.
 #[derive(Clone, Copy, Debug, PartialEq)]

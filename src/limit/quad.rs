@@ -9,7 +9,7 @@ use crate::topology::Mesh;
 /// One combination of cells, all of them listed.
 type Combination = Vec<f64>;
 
-/// The grids of a face, over its cells: the rows of [`super::patch::sizes`]. Beyond a sharp edge there is a
+/// The grids of a face, over its cells: 16, 24 and 9 rows, as [`super::patch`] wants them. Beyond a sharp edge there is a
 /// layer of phantoms: `x_{-1} = 2 x_0 - x_1` for vertices and the edges along it, while the edges across it and
 /// the faces repeat.
 pub fn grids(mesh: &Mesh, cells: &Cells, configuration: Configuration) -> [Csr; 3] {

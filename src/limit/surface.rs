@@ -37,6 +37,10 @@ pub enum SurfaceError {
 /// Cochains are refined once ([`LimitSurface::refine`]) and evaluated at any number of points. A point in a
 /// regular face costs one polynomial, next to an irregular vertex or a feature a small matrix product more for
 /// each halving of the distance.
+///
+/// With the boundary rules [`Thesis`](crate::scheme::BoundaryRule::Thesis) and
+/// [`Dct`](crate::scheme::BoundaryRule::Dct) the limit is no polynomial along boundaries and creases: on them values
+/// are right to about 1e-7, and derivatives of a form's components do not exist.
 pub struct LimitSurface {
     hierarchy: Hierarchy,
     tables: Tables,

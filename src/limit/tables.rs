@@ -6,6 +6,8 @@
 //! configuration is, and are read off a [`Model`] once.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
 
 use super::frame::child_corner;
 use super::model::{LEVELS, Model, block};
@@ -29,7 +31,7 @@ pub struct Table {
     /// The four children, by number, if the limit is no polynomial.
     pub children: Vec<Child>,
     /// The limit at the vertex, if it is not in the polynomial.
-    pub vertex: Option<VertexTable>,
+    pub vertex: Option<Arc<VertexTable>>,
 }
 
 /// A child of a face.
@@ -62,12 +64,43 @@ pub struct Tables {
     scheme: Scheme,
     list: Vec<Table>,
     numbers: HashMap<Key, usize>,
+    /// Models and vertices serve all positions of a configuration: they are kept under the first.
+    models: HashMap<(Configuration, usize), Arc<Model>>,
+    vertices: HashMap<Configuration, Arc<VertexTable>>,
 }
 
 impl Tables {
     /// No tables yet.
     pub fn new(kind: SplitKind, scheme: Scheme) -> Self {
-        Tables { kind, scheme, list: Vec::new(), numbers: HashMap::new() }
+        Tables {
+            kind,
+            scheme,
+            list: Vec::new(),
+            numbers: HashMap::new(),
+            models: HashMap::new(),
+            vertices: HashMap::new(),
+        }
+    }
+
+    /// Forgets the models. What is asked for later makes its own again.
+    pub fn finish(&mut self) {
+        self.models.clear();
+    }
+
+    fn model(&mut self, c: Configuration, levels: usize) -> Result<Arc<Model>, HierarchyError> {
+        Ok(match self.models.entry((c.anywhere(), levels)) {
+            Entry::Occupied(known) => known.get().clone(),
+            Entry::Vacant(new) => {
+                new.insert(Arc::new(Model::new(self.kind, self.scheme, c, levels)?)).clone()
+            }
+        })
+    }
+
+    fn vertex(&mut self, c: Configuration) -> Result<Arc<VertexTable>, HierarchyError> {
+        Ok(match self.vertices.entry(c.anywhere()) {
+            Entry::Occupied(known) => known.get().clone(),
+            Entry::Vacant(new) => new.insert(Arc::new(vertex::table(self.kind, self.scheme, c)?)).clone(),
+        })
     }
 
     /// A table by number.
@@ -104,7 +137,7 @@ impl Tables {
     }
 
     fn fill_face(&mut self, number: usize, c: Configuration) -> Result<(), HierarchyError> {
-        let model = Model::new(self.kind, self.scheme, c, LEVELS)?;
+        let model = self.model(c, LEVELS)?;
         let (corner, cells) = model.patch(LEVELS - 1, c);
         let polynomial = self.polynomial(&model, c, &cells)?;
         let is_polynomial = polynomial.is_some();
@@ -114,13 +147,13 @@ impl Tables {
             self.list[number].children = self.children(&model, LEVELS - 1, corner, &cells, Some(c))?;
         }
         if !is_polynomial {
-            self.list[number].vertex = Some(vertex::table(self.kind, self.scheme, c)?);
+            self.list[number].vertex = Some(self.vertex(c)?);
         }
         Ok(())
     }
 
     fn fill_beside(&mut self, number: usize, c: Configuration, child: usize) -> Result<(), HierarchyError> {
-        let model = Model::new(self.kind, self.scheme, c, LEVELS + 1)?;
+        let model = self.model(c, LEVELS + 1)?;
         let hierarchy = model.hierarchy();
         let (parent, mesh) = (hierarchy.level(LEVELS - 1).mesh(), hierarchy.level(LEVELS).mesh());
         let (corner, _) = model.patch(LEVELS - 1, c);
@@ -146,8 +179,8 @@ impl Tables {
     /// Where the surroundings of the face of a corner of a model are told from, what they are, and its cells.
     fn own_patch(&self, level: &Level, corner: u32) -> (u32, Configuration, Cells) {
         let (mesh, tags) = (level.mesh(), level.tags());
-        let plain = plain_vertices(self.kind, mesh, tags);
-        let start = origin(mesh, tags, |v| plain[v as usize], corner).expect("one level parts all features");
+        let plain = |v| is_plain(self.kind, mesh, tags, v);
+        let start = origin(mesh, tags, plain, corner).expect("one level parts all features");
         let (configuration, fan) = around_face(mesh, tags, start);
         (start, configuration, patch_cells(mesh, configuration, &fan))
     }
@@ -193,7 +226,7 @@ impl Tables {
         let hierarchy = model.hierarchy();
         let (parent, bottom) = (hierarchy.level(top).mesh(), hierarchy.level(top + 1));
         let split = hierarchy.refinement(top + 1).split();
-        let operators = hierarchy.operators(top + 1);
+        let operators = model.operators(top + 1);
         let (steps, from) = ([&operators.s0, &operators.s1, &operators.s2], cells.signed());
         let mut children = Vec::with_capacity(4);
         for child in 0..4 {
@@ -223,17 +256,14 @@ fn sizes(cells: &Cells) -> [usize; 3] {
     [cells.vertices.len(), cells.edges.len(), cells.faces.len()]
 }
 
-/// For each vertex whether it is regular, smooth and inside the surface.
-pub fn plain_vertices(kind: SplitKind, mesh: &Mesh, tags: &Tags) -> Vec<bool> {
+/// Whether a vertex is regular, smooth and inside the surface.
+pub fn is_plain(kind: SplitKind, mesh: &Mesh, tags: &Tags, v: u32) -> bool {
     let regular = match kind {
         SplitKind::Quad => 4,
         SplitKind::Triangle => 6,
     };
-    let is_plain = |v: u32| {
-        let mut fans = mesh.fans(v);
-        tags.vertex_rule[v as usize] == Rule::Smooth
-            && fans.len() == 1
-            && fans.next().is_some_and(|fan| fan.cyclic && fan.corners.len() == regular)
-    };
-    (0..mesh.num_vertices() as u32).map(is_plain).collect()
+    let mut fans = mesh.fans(v);
+    tags.vertex_rule[v as usize] == Rule::Smooth
+        && fans.len() == 1
+        && fans.next().is_some_and(|fan| fan.cyclic && fan.corners.len() == regular)
 }

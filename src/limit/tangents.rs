@@ -193,7 +193,7 @@ impl Collection<'_> {
                             continue;
                         }
                         let (found, sector) = around_corner(mesh, self.tags, c);
-                        let table = &tables[&key(found)];
+                        let table = &tables[&found.anywhere()];
                         if table.covectors().is_some() {
                             sector.iter().for_each(|&c| corner[c as usize] = sources.len() as u32);
                             sources.push(Source::Table(table, fan_cells(mesh, &sector, found.cyclic).edges));
@@ -238,7 +238,7 @@ impl Collection<'_> {
         let mut tables = HashMap::new();
         for v in (0..self.mesh.num_vertices()).filter(|&v| wants(v) && !is_open(v)) {
             for &corner in self.mesh.fans(v as u32).flat_map(|fan| fan.corners) {
-                let key = key(around_corner(self.mesh, self.tags, corner).0);
+                let key = around_corner(self.mesh, self.tags, corner).0.anywhere();
                 if let std::collections::hash_map::Entry::Vacant(entry) = tables.entry(key) {
                     entry.insert(vertex::table(self.kind, self.scheme, key)?);
                 }
@@ -246,11 +246,6 @@ impl Collection<'_> {
         }
         Ok(tables)
     }
-}
-
-/// Tables do not depend on the position.
-fn key(configuration: Configuration) -> Configuration {
-    Configuration { position: 0, ..configuration }
 }
 
 /// Tangents on the level above, `refine(e, weight, row)` adding `weight` times the row of `S1` of a child edge and

@@ -47,7 +47,7 @@ pub struct Tags {
     /// For each vertex.
     pub vertex_rule: Vec<Rule>,
     /// For each face, whether it is left out of what is drawn or written. Beside the holes of the cage
-    /// and their descendants these are, with [`BoundaryInterpolation::None`], the faces that touch the
+    /// and their descendants these are, with [`BoundaryInterpolation::None`](crate::topology::BoundaryInterpolation::None), the faces that touch the
     /// boundary of the cage.
     pub face_hole: Vec<bool>,
 }

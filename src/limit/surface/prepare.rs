@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::super::frame::child_corner;
 use super::super::neighbourhood::{Configuration, around_face, origin, patch_cells};
-use super::super::tables::{Key, Tables, plain_vertices};
+use super::super::tables::{Key, Tables, is_plain};
 use super::super::unsettled;
 use super::{LimitSurface, Patch, SurfaceError};
 use crate::hierarchy::{Hierarchy, Level};
@@ -102,6 +102,7 @@ impl LimitSurface {
             })
             .collect();
         let cells = cells.concat();
+        tables.finish();
         Ok(LimitSurface { hierarchy, tables, patches, cells })
     }
 }
@@ -113,8 +114,7 @@ fn origins(level: &Level, kind: SplitKind) -> Option<Vec<u32>> {
     if kind == SplitKind::Quad && (0..mesh.num_faces() as u32).any(|f| mesh.face_size(f) != 4) {
         return None;
     }
-    let plain = plain_vertices(kind, mesh, tags);
-    let find = |face| origin(mesh, tags, |v| plain[v as usize], mesh.corners(face).start);
+    let find = |face| origin(mesh, tags, |v| is_plain(kind, mesh, tags, v), mesh.corners(face).start);
     (0..mesh.num_faces() as u32).into_par_iter().map(find).collect()
 }
 
@@ -124,14 +124,14 @@ fn beside(hierarchy: &Hierarchy, tables: &Tables, origins: &[u32]) -> Vec<Option
     let level = hierarchy.num_levels();
     let (above, mesh) = (hierarchy.level(level - 1), hierarchy.finest().mesh());
     let tags = hierarchy.finest().tags();
-    let plain = plain_vertices(hierarchy.split_kind(), mesh, tags);
+    let plain = |v| is_plain(hierarchy.split_kind(), mesh, tags, v);
     let split = hierarchy.refinement(level).split();
     let mut beside = vec![None; mesh.num_faces()];
     for &corner in origins {
         let (configuration, _) = around_face(above.mesh(), above.tags(), corner);
         for child in (1..4).filter(|_| tables.pulls(configuration)) {
             let corner = child_corner(split, above.mesh(), mesh, corner, child);
-            let start = origin(mesh, tags, |v| plain[v as usize], corner).expect("features stay apart");
+            let start = origin(mesh, tags, plain, corner).expect("features stay apart");
             beside[mesh.corner_face(corner) as usize] = Some((Key::Beside(configuration, child), start));
         }
     }

@@ -9,6 +9,10 @@ use crate::sparse::Csr;
 /// Where the descent to an irregular vertex gives up: within 1e-13 of it in the parameters.
 const MAX_DEPTH: usize = 44;
 
+/// And the descent of a 0-form to a boundary or crease where a scheme's own rule leaves no polynomials: what is left
+/// decays like 2^-depth, while the differences that its derivatives are made of drown in rounding.
+const ROUGH_DEPTH: usize = 24;
+
 /// The most faces that are remembered: the children of a face of the cage, two levels down.
 const MOST_TREES: usize = 16;
 
@@ -82,7 +86,9 @@ impl<'a, T: Value> Walk<'a, T> {
             if let Some(vertex) = table.vertex.as_ref().filter(|_| is_at_vertex(&frame)) {
                 return (Found::Vertex(vertex), &tree.nodes[at].values);
             }
-            if depth < MAX_DEPTH && !table.children.is_empty() {
+            let rough = table.polynomial.is_some() && degree == 0;
+            let deepest = if rough { ROUGH_DEPTH } else { MAX_DEPTH };
+            if depth < deepest && !table.children.is_empty() {
                 let (number, below) = frame.descend(kind);
                 let child = &table.children[number];
                 frame = below.turned(kind, child.turn);
