@@ -29,6 +29,11 @@ fn every_file_is_valid() {
             files.push(out);
         }
     }
+    let limit = folder.path().join("limit.glb");
+    let field = "assets/creased_box.field.json";
+    let args = ["limit", "assets/creased_box.obj", "--field", field, "-q", "-l", "1", "--tangents", "-o"];
+    succeed(root(), &[&args[..], &[limit.to_str().unwrap()]].concat());
+    files.push(limit);
     let files: Vec<&Path> = files.iter().map(|file| file.as_path()).collect();
     for report in check_gltf(clients, &files) {
         assert_eq!((&report["numErrors"], &report["numWarnings"]), (&json!(0), &json!(0)), "{report}");
