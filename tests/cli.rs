@@ -134,8 +134,6 @@ fn the_examples_in_the_help_run() {
         &["evaluate", "--help"],
         &["operators", "--help"],
         &["validate", "--help"],
-        &["limit", "--help"],
-        &["evaluate", "--help"],
         &["batch", "--help"],
     ] {
         let help = succeed(&root, command).replace("\\\n", " ");
