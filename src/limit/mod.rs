@@ -31,7 +31,7 @@ mod unsettled;
 mod vertex;
 
 pub use patch::Jet;
-pub use surface::{LimitSurface, PointError, SurfaceError, SurfacePoint};
+pub use surface::{LimitSurface, PointError, SurfaceError, SurfacePoint, SurfaceVector};
 pub use tangents::LimitTangents;
 
 use crate::cochain::{Cochain, Value, d1};
