@@ -54,7 +54,7 @@ impl<'a> Crossing<'a> {
         for_each_rule(self.mesh, self.rules, h, |weight, rule, fan, place| {
             let k = fan.corners.len();
             let mut add = |position: usize, x: f64| {
-                out.add(self.mesh.corner_face(fan.corners[position % k]), scale * weight * x);
+                out.add(self.mesh.corner_face(fan.corners[position]), scale * weight * x);
             };
             match place {
                 Place::Smooth { position } if rule == Rule::Dart => {
@@ -63,21 +63,9 @@ impl<'a> Crossing<'a> {
                     let first = fan.corners.iter().position(sharp).unwrap_or(0);
                     let row = (position + k - first) % k;
                     let table = self.dart(k);
-                    (0..k).for_each(|r| add(first + r, table[row * k + r]));
+                    (0..k).for_each(|r| add((first + r) % k, table[row * k + r]));
                 }
-                Place::Smooth { position } => {
-                    let x = self.smooth(k);
-                    (0..k).for_each(|l| add(l, x[(l + k - position) % k]));
-                }
-                Place::Sector { spoke: 0, .. } => {} // a sharp spoke
-                Place::Sector { start, faces: n, spoke: q } => match self.sector(n) {
-                    Some(table) => (0..n).for_each(|r| add(start + r, table[q * n + r])),
-                    None => {
-                        let x = self.smooth(2 * n);
-                        let folded = |r| x[(r + 2 * n - q) % (2 * n)] + x[(4 * n - 1 - r - q) % (2 * n)];
-                        (0..n).for_each(|r| add(start + r, folded(r)));
-                    }
-                },
+                _ => place.for_each_entry(k, |k| self.smooth(k), |n| self.sector(n), add),
             }
         });
     }

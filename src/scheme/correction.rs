@@ -26,7 +26,7 @@ use std::sync::OnceLock;
 use super::Scheme;
 use super::catmark::Densities;
 use super::half_box::HalfBox;
-use super::sector::{Place, for_each_rule};
+use super::sector::for_each_rule;
 use crate::osd::Rules;
 use crate::sparse::Row;
 use crate::topology::{HalfEdge, Mesh, SplitKind};
@@ -133,26 +133,11 @@ impl<'a, W: FaceWeights> Correction<'a, W> {
             }
         }
         for_each_rule(mesh, self.rules, h, |weight, _, fan, place| {
-            let k = fan.corners.len();
-            let mut add = |position: usize, b: f64| {
-                let face = mesh.corner_face(fan.corners[position % k]);
+            let add = |position: usize, b: f64| {
+                let face = mesh.corner_face(fan.corners[position]);
                 out.add(face, scale * weight * b * self.weights.unit(mesh, face));
             };
-            match place {
-                Place::Smooth { position } => {
-                    let b = self.b(k);
-                    (0..k).for_each(|l| add(l, b[(l + k - position) % k]));
-                }
-                Place::Sector { spoke: 0, .. } => {} // a sharp spoke
-                Place::Sector { start, faces: n, spoke: q } => match self.sector(n) {
-                    Some(rows) => (0..n).for_each(|r| add(start + r, rows[q * n + r])),
-                    None => {
-                        let b = self.b(2 * n);
-                        let folded = |r| b[(r + 2 * n - q) % (2 * n)] + b[(4 * n - 1 - r - q) % (2 * n)];
-                        (0..n).for_each(|r| add(start + r, folded(r)));
-                    }
-                },
-            }
+            place.for_each_entry(fan.corners.len(), |k| self.b(k), |n| self.sector(n), add);
         });
     }
 

@@ -19,6 +19,36 @@ pub enum Place {
     },
 }
 
+impl Place {
+    /// Visits the faces of a fan of `k` with the entries of the spoke's row. Round a smooth vertex rows are those of
+    /// a circulant, `circular(k)` its first one. Those of a sector of `n` faces are `sector(n)`, row after row, or, if
+    /// that is `None`, the even reflection `x_{(r-q) mod 2n} + x_{(-1-r-q) mod 2n}` of `x = circular(2n)`; the spoke
+    /// that cuts has none. Faces are positions in the fan.
+    pub fn for_each_entry<'a>(
+        self,
+        k: usize,
+        circular: impl Fn(usize) -> &'a [f64],
+        sector: impl Fn(usize) -> Option<&'a [f64]>,
+        mut visit: impl FnMut(usize, f64),
+    ) {
+        match self {
+            Place::Smooth { position } => {
+                let x = circular(k);
+                (0..k).for_each(|l| visit(l, x[(l + k - position) % k]));
+            }
+            Place::Sector { spoke: 0, .. } => {} // a sharp spoke
+            Place::Sector { start, faces: n, spoke: q } => match sector(n) {
+                Some(rows) => (0..n).for_each(|r| visit((start + r) % k, rows[q * n + r])),
+                None => {
+                    let x = circular(2 * n);
+                    let folded = |r| x[(r + 2 * n - q) % (2 * n)] + x[(4 * n - 1 - r - q) % (2 * n)];
+                    (0..n).for_each(|r| visit((start + r) % k, folded(r)));
+                }
+            },
+        }
+    }
+}
+
 /// Visits the rules that OpenSubdiv blends at the tail `v` of `h`, with their weights, and the place of
 /// the spoke `h` under each; nothing where `h` has no face on its left.
 ///

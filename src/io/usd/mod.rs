@@ -79,6 +79,7 @@ impl Stage {
         };
         let is_read = |name: &str| {
             read::ATTRIBUTES.contains(&name)
+                || write::TAGS.contains(&name)
                 || name.starts_with("xformOp")
                 || name.strip_prefix("primvars:").is_some_and(|rest| rest.starts_with("form"))
         };

@@ -13,22 +13,13 @@ use crate::topology::{
     BoundaryInterpolation, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };
 
-/// What is read of a mesh, forms and transforms apart, or made anew for it.
-pub(super) const ATTRIBUTES: [&str; 17] = [
+/// What is read of a mesh, its tags, forms and transforms apart, or made anew for it.
+pub(super) const ATTRIBUTES: [&str; 8] = [
     "points",
     "faceVertexCounts",
     "faceVertexIndices",
     "orientation",
     "subdivisionScheme",
-    "interpolateBoundary",
-    "triangleSubdivisionRule",
-    "creaseIndices",
-    "creaseLengths",
-    "creaseSharpnesses",
-    "cornerIndices",
-    "cornerSharpnesses",
-    "holeIndices",
-    CREASING,
     "extent",
     "normals",
     "doubleSided",

@@ -15,7 +15,7 @@ use crate::osd::OsdScheme;
 use crate::topology::{BoundaryInterpolation, CreasingMethod, Descriptor, TriangleSubdivision};
 
 /// What only a subdivision surface has.
-const TAGS: [&str; 9] = [
+pub(super) const TAGS: [&str; 9] = [
     "creaseIndices",
     "creaseLengths",
     "creaseSharpnesses",
