@@ -28,13 +28,17 @@ class Refiner {
 public:
     explicit Refiner(std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner);
 
-    void refine_uniform(std::uint32_t levels);
+    // With edges and vertex rings on the finest level, or with what refining values needs.
+    void refine_uniform(std::uint32_t levels, bool full_last_level);
 
     Counts counts(std::uint32_t level) const;
     void topology(std::uint32_t level, TopologyArrays out) const;
     void tags(std::uint32_t level, TagArrays out) const;
     void masks(std::uint32_t level, MaskArrays out) const;
     void children(std::uint32_t level, ChildArrays out) const;
+    // Whether the children of a level are numbered, and directed as far as the next level knows its edges, by
+    // the rule of formwork::topology::Split. `centres` says whether faces have child vertices.
+    bool numbers_children_in_order(std::uint32_t level, bool centres) const;
 
     // OpenSubdiv's own S0 from level - 1 to level, as its stencil table has it.
     Stencils stencils(std::uint32_t level) const;
@@ -47,6 +51,8 @@ public:
 
 private:
     OpenSubdiv::Far::TopologyLevel level(std::uint32_t level, bool with_child) const;
+    // Whether a level has more than what refining values needs: asking for edges where there are none crashes.
+    bool has_edges(std::uint32_t level) const;
 
     std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner_;
 };

@@ -1,14 +1,19 @@
 //! Levels of refinement with their operators.
 
+mod assembly;
 mod budget;
+mod kernel;
+mod level;
 mod refinement;
 
+pub use kernel::Workspace;
+pub use level::Level;
 pub use refinement::{Operators, Refinement};
 
-use crate::cochain::{Cochain, Value};
-use crate::osd::{MAX_LEVELS, OsdError, Refiner, Tags};
+use crate::cochain::{Cochain, Quantity};
+use crate::osd::{MAX_LEVELS, OsdError, Refiner};
 use crate::scheme::{Scheme, SchemeError};
-use crate::topology::{Cage, Mesh, Split, SplitKind};
+use crate::topology::{Cage, Split, SplitKind};
 
 /// A control cage refined a number of times, with the operators between the levels.
 ///
@@ -22,25 +27,6 @@ pub struct Hierarchy {
     levels: Vec<Level>,
     /// `refinements[l]` leads from level `l` to level `l + 1`.
     refinements: Vec<Refinement>,
-}
-
-/// One level: its complex and OpenSubdiv's tags.
-#[derive(Clone, Debug)]
-pub struct Level {
-    mesh: Mesh,
-    tags: Tags,
-}
-
-impl Level {
-    /// The complex.
-    pub fn mesh(&self) -> &Mesh {
-        &self.mesh
-    }
-
-    /// Sharpness, vertex rules and holes.
-    pub fn tags(&self) -> &Tags {
-        &self.tags
-    }
 }
 
 /// Why a hierarchy cannot be built.
@@ -88,20 +74,20 @@ impl Hierarchy {
         levels: usize,
         mut progress: impl FnMut(usize),
     ) -> Result<Self, HierarchyError> {
-        let (refiner, kind) = refiner(cage, scheme, levels)?;
-        let level = |l| Ok::<_, OsdError>(Level { mesh: refiner.mesh(l)?, tags: refiner.tags(l)? });
+        let (refiner, kind) = refiner(cage, scheme, levels, false)?;
+        let cage_level = Level::cage(refiner.mesh(0)?, refiner.tags(0)?);
         let mut hierarchy =
-            Hierarchy { cage: cage.clone(), scheme, kind, levels: vec![level(0)?], refinements: Vec::new() };
+            Hierarchy { cage: cage.clone(), scheme, kind, levels: vec![cage_level], refinements: Vec::new() };
         progress(0);
         for l in 1..=levels {
-            let (parent, child) = (hierarchy.finest().mesh(), level(l)?);
-            let split = Split::new(kind, parent);
-            if !split.describes(parent, &child.mesh) {
+            let parent = hierarchy.finest().shared_mesh().clone();
+            let split = Split::new(kind, &parent);
+            if !refiner.numbers_children_as(l - 1, kind)? {
                 return Err(HierarchyError::UnknownNumbering { level: l });
             }
-            let homotopy = scheme.homotopy(kind, parent, &refiner.masks(l - 1)?);
-            hierarchy.refinements.push(Refinement::new(split, homotopy));
-            hierarchy.levels.push(child);
+            let homotopy = scheme.homotopy(kind, &parent, &refiner.masks(l - 1)?);
+            hierarchy.refinements.push(Refinement::new(&parent, split, homotopy));
+            hierarchy.levels.push(Level::refined(parent, split, refiner.tags(l)?));
             progress(l);
         }
         Ok(hierarchy)
@@ -152,17 +138,40 @@ impl Hierarchy {
     ///
     /// # Panics
     /// If `level` is 0 or there is no such level, or the cochain does not belong to `level - 1`.
-    pub fn refine<const K: usize, T: Value>(&self, level: usize, cochain: &Cochain<K, T>) -> Cochain<K, T> {
-        let (parent, child) = (self.level(level - 1).mesh(), self.level(level).mesh());
-        self.refinement(level).apply(parent, child, cochain)
+    pub fn refine<const K: usize, T: Quantity>(&self, level: usize, cochain: &Cochain<K, T>) -> Cochain<K, T> {
+        let mut refined = Cochain::new(Vec::new());
+        self.refine_into(level, cochain, &mut refined, &mut Workspace::new());
+        refined
+    }
+
+    /// [`Hierarchy::refine`] into a cochain whose memory is used again, whatever was in it. Fresh memory costs as
+    /// much time as refining does.
+    ///
+    /// # Panics
+    /// As [`Hierarchy::refine`].
+    pub fn refine_into<const K: usize, T: Quantity>(
+        &self,
+        level: usize,
+        cochain: &Cochain<K, T>,
+        refined: &mut Cochain<K, T>,
+        workspace: &mut Workspace<T>,
+    ) {
+        let parent = self.level(level - 1).mesh();
+        self.refinement(level).apply_into(parent, cochain, refined.values_mut(), workspace);
     }
 
     /// Refines a cochain of the cage to the finest level.
     ///
     /// # Panics
     /// If the cochain does not belong to the cage.
-    pub fn subdivide<const K: usize, T: Value>(&self, cochain: &Cochain<K, T>) -> Cochain<K, T> {
-        (1..=self.num_levels()).fold(cochain.clone(), |cochain, level| self.refine(level, &cochain))
+    pub fn subdivide<const K: usize, T: Quantity>(&self, cochain: &Cochain<K, T>) -> Cochain<K, T> {
+        let (mut from, mut to) = (cochain.clone(), Cochain::new(Vec::new()));
+        let mut workspace = Workspace::new();
+        for level in 1..=self.num_levels() {
+            self.refine_into(level, &from, &mut to, &mut workspace);
+            std::mem::swap(&mut from, &mut to);
+        }
+        from
     }
 
     /// The operators from `level - 1` to `level` as matrices.
@@ -170,22 +179,25 @@ impl Hierarchy {
     /// # Panics
     /// If `level` is 0 or there is no such level.
     pub fn operators(&self, level: usize) -> Operators {
-        self.refinement(level).operators(self.level(level - 1).mesh(), self.level(level).mesh())
+        self.refinement(level).operators(self.level(level - 1).mesh())
     }
 }
 
 /// A refiner of `cage` with `levels` levels and the way it splits, once it is certain that the scheme
-/// takes the cage and that the levels fit.
+/// takes the cage and that the levels fit. The edges of the finest level are known if they are asked for.
 pub(crate) fn refiner(
     cage: &Cage,
     scheme: Scheme,
     levels: usize,
+    with_last_edges: bool,
 ) -> Result<(Refiner, SplitKind), HierarchyError> {
     let split = scheme.split(&cage.descriptor().face_sizes)?;
     budget::check(cage, split, levels)?;
     let mut refiner = Refiner::new(cage, scheme.opensubdiv(split))?;
-    if levels > 0 {
-        refiner.refine_uniform(levels)?;
+    match (levels, with_last_edges) {
+        (0, _) => {}
+        (_, true) => refiner.refine_uniform(levels)?,
+        (_, false) => refiner.refine_uniform_without_last_edges(levels)?,
     }
     Ok((refiner, split))
 }

@@ -85,12 +85,13 @@ pub(super) mod ffi {
         type Refiner;
 
         fn new_refiner(cage: &CageArrays) -> Result<UniquePtr<Refiner>>;
-        fn refine_uniform(self: Pin<&mut Refiner>, levels: u32) -> Result<()>;
+        fn refine_uniform(self: Pin<&mut Refiner>, levels: u32, full_last_level: bool) -> Result<()>;
         fn counts(self: &Refiner, level: u32) -> Result<Counts>;
         fn topology(self: &Refiner, level: u32, out: TopologyArrays) -> Result<()>;
         fn tags(self: &Refiner, level: u32, out: TagArrays) -> Result<()>;
         fn masks(self: &Refiner, level: u32, out: MaskArrays) -> Result<()>;
         fn children(self: &Refiner, level: u32, out: ChildArrays) -> Result<()>;
+        fn numbers_children_in_order(self: &Refiner, level: u32, centres: bool) -> Result<bool>;
         fn stencils(self: &Refiner, level: u32) -> Result<Stencils>;
         fn limit_stencils(self: &Refiner, which: u8) -> Result<Stencils>;
         fn interpolate(self: &Refiner, level: u32, source: &[f64], out: &mut [f64]) -> Result<()>;

@@ -16,7 +16,7 @@ use bridge::ffi;
 use cxx::UniquePtr;
 
 use crate::sparse::{Csr, assemble};
-use crate::topology::{BoundaryInterpolation, Cage, CreasingMethod, Mesh, TriangleSubdivision};
+use crate::topology::{BoundaryInterpolation, Cage, CreasingMethod, Mesh, SplitKind, TriangleSubdivision};
 
 /// The most levels that OpenSubdiv refines.
 pub const MAX_LEVELS: usize = 15;
@@ -77,13 +77,23 @@ impl Refiner {
     /// # Errors
     /// If `levels` is 0 or above [`MAX_LEVELS`], on a second call, or out of memory.
     pub fn refine_uniform(&mut self, levels: usize) -> Result<(), OsdError> {
-        Ok(self.0.pin_mut().refine_uniform(levels.min(MAX_LEVELS + 1) as u32)?)
+        Ok(self.0.pin_mut().refine_uniform(levels.min(MAX_LEVELS + 1) as u32, true)?)
+    }
+
+    /// [`Refiner::refine_uniform`], but of the finest level only what values are refined by: its [`Refiner::mesh`]
+    /// is not known. Half the time and half the memory.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn refine_uniform_without_last_edges(&mut self, levels: usize) -> Result<(), OsdError> {
+        Ok(self.0.pin_mut().refine_uniform(levels.min(MAX_LEVELS + 1) as u32, false)?)
     }
 
     /// The incidence of a level.
     ///
     /// # Errors
-    /// If there is no such level.
+    /// If there is no such level, or it is the last of
+    /// [`Refiner::refine_uniform_without_last_edges`].
     pub fn mesh(&self, level: usize) -> Result<Mesh, OsdError> {
         let n = self.0.counts(level as u32)?;
         let mut face_sizes = vec![0; n.faces];
@@ -100,7 +110,7 @@ impl Refiner {
             },
         )?;
         let edges = edge_vertices.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect();
-        Mesh::from_arrays(n.vertices, &face_sizes, face_vertices, &face_edges, edges)
+        Mesh::from_arrays(n.vertices, &face_sizes, &face_vertices, &face_edges, edges)
             .map_err(|error| OsdError(error.to_string()))
     }
 
@@ -201,6 +211,15 @@ impl Refiner {
             },
         )?;
         Ok(children)
+    }
+
+    /// Whether the children of the cells of `level` are numbered by the rule of [`crate::topology::Split`], and
+    /// directed by it as far as the refiner knows.
+    ///
+    /// # Errors
+    /// If there is no level `level + 1`.
+    pub fn numbers_children_as(&self, level: usize, kind: SplitKind) -> Result<bool, OsdError> {
+        Ok(self.0.numbers_children_in_order(level as u32, kind == SplitKind::Quad)?)
     }
 
     /// OpenSubdiv's own S0 from `level - 1` to `level`, `(|V'|, |V|)`: the rows of its double-precision

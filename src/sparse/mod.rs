@@ -4,34 +4,19 @@
 //! `S0`, `S1`, `S2`) is a [`Csr`] matrix, filled row by row through [`assemble`]. Rows are independent
 //! of each other, so the result is bitwise the same for any number of threads.
 
+mod quantity;
+mod exceptions;
+
+pub use quantity::{Quantity, Value};
+pub use exceptions::Exceptions;
+
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 /// A compressed sparse row matrix in `f64`: 32-bit columns, 64-bit row offsets, columns ascending in
 /// each row, none repeated.
 pub type Csr = sprs::CsMatI<f64, u32, usize>;
-
-/// What a cochain may hold: a number, or a vector of numbers such as a position in R^3.
-///
-/// Implemented for every type with these operations, `f64` and `nalgebra::Vector3<f64>` among them.
-pub trait Value:
-    Copy
-    + Send
-    + Sync
-    + std::ops::Add<Output = Self>
-    + std::ops::Sub<Output = Self>
-    + std::ops::Mul<f64, Output = Self>
-{
-}
-
-impl<T> Value for T where
-    T: Copy
-        + Send
-        + Sync
-        + std::ops::Add<Output = T>
-        + std::ops::Sub<Output = T>
-        + std::ops::Mul<f64, Output = T>
-{
-}
 
 /// Entries at or below this magnitude are rounding left over from terms that cancel exactly: they
 /// are not stored. Subdivision weights are of order 1 and sums of a few dozen terms, so true weights
@@ -68,26 +53,37 @@ impl Row {
 
     /// Adds `scale` times row `row` of `matrix`.
     pub fn add_row(&mut self, matrix: &Csr, row: usize, scale: f64) {
-        let (columns, weights) = row_of(matrix, row);
+        self.add_all(row_of(matrix, row), scale);
+    }
+
+    /// Adds `scale` times a row given by its columns and weights.
+    pub fn add_all(&mut self, (columns, weights): (&[u32], &[f64]), scale: f64) {
         for (&column, &weight) in columns.iter().zip(weights) {
             self.add(column, scale * weight);
         }
     }
 
-    /// Moves the finished row to the end of `part` and clears this one for the next.
-    fn flush(&mut self, part: &mut Part) {
+    /// Hands out the finished row, columns ascending, and clears this one for the next.
+    fn drain(&mut self, mut visit: impl FnMut(u32, f64)) {
         self.columns.sort_unstable();
-        let before = part.columns.len();
         for &column in &self.columns {
             let c = column as usize;
             if self.weight[c].abs() > ROUNDING_DUST {
-                part.columns.push(column);
-                part.weights.push(self.weight[c]);
+                visit(column, self.weight[c]);
             }
             self.weight[c] = 0.0;
             self.listed[c] = false;
         }
         self.columns.clear();
+    }
+
+    /// Moves the finished row to the end of `part` and clears this one for the next.
+    fn flush(&mut self, part: &mut Part) {
+        let before = part.columns.len();
+        self.drain(|column, weight| {
+            part.columns.push(column);
+            part.weights.push(weight);
+        });
         part.row_lengths.push(part.columns.len() - before);
     }
 }
@@ -135,6 +131,50 @@ pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) ->
     Csr::new(shape, offsets, indices, data)
 }
 
+/// Builds a matrix whose rows have known lengths: `fill(rows, offsets, columns, weights)` writes a run of rows
+/// straight to their place, row `i` to `offsets[i] - offsets[rows.start] ..`, columns ascending.
+///
+/// `lengths` are those of all rows. Runs are filled in parallel.
+pub fn assemble_in_place(
+    shape: (usize, usize),
+    lengths: impl Iterator<Item = usize>,
+    fill: impl Fn(Range<usize>, &[usize], &mut [u32], &mut [f64]) + Sync,
+) -> Csr {
+    let mut offsets = Vec::with_capacity(shape.0 + 1);
+    offsets.push(0);
+    let mut end = 0;
+    offsets.extend(lengths.map(|length| {
+        end += length;
+        end
+    }));
+    assert_eq!(offsets.len(), shape.0 + 1, "one length for each row");
+    let (mut columns, mut weights) = (vec![0; end], vec![0.0; end]);
+    fill_runs(0..shape.0, &offsets, &mut columns, &mut weights, &fill);
+    Csr::new(shape, offsets, columns, weights)
+}
+
+/// Few enough rows that a run is done at once, many enough that splitting them costs nothing.
+const RUN: usize = 8192;
+
+fn fill_runs(
+    rows: Range<usize>,
+    offsets: &[usize],
+    columns: &mut [u32],
+    weights: &mut [f64],
+    fill: &(impl Fn(Range<usize>, &[usize], &mut [u32], &mut [f64]) + Sync),
+) {
+    if rows.len() <= RUN {
+        return fill(rows, offsets, columns, weights);
+    }
+    let middle = rows.start + (rows.len() / 2).next_multiple_of(RUN);
+    let split = offsets[middle] - offsets[rows.start];
+    let ((c0, c1), (w0, w1)) = (columns.split_at_mut(split), weights.split_at_mut(split));
+    rayon::join(
+        || fill_runs(rows.start..middle, offsets, c0, w0, fill),
+        || fill_runs(middle..rows.end, offsets, c1, w1, fill),
+    );
+}
+
 /// The columns and weights of one row.
 ///
 /// # Panics
@@ -148,24 +188,18 @@ pub fn row_of(matrix: &Csr, row: usize) -> (&[u32], &[f64]) {
 
 /// `sum_j weights[j] * x[columns[j]]`, or `None` for an empty row.
 #[inline]
-pub fn dot<T: Value>((columns, weights): (&[u32], &[f64]), x: &[T]) -> Option<T> {
-    let terms = columns.iter().zip(weights).map(|(&c, &w)| x[c as usize] * w);
+pub fn dot<T: Quantity>((columns, weights): (&[u32], &[f64]), x: &[T]) -> Option<T> {
+    let terms = columns.iter().zip(weights).map(|(&c, &w)| x[c as usize].scale(w));
     terms.reduce(|sum, term| sum + term)
 }
 
 /// `matrix * x`, rows in parallel.
 ///
 /// # Panics
-/// If `x` is not as long as the matrix is wide, or is empty.
-pub fn apply<T: Value>(matrix: &Csr, x: &[T]) -> Vec<T> {
+/// If `x` is not as long as the matrix is wide.
+pub fn apply<T: Quantity>(matrix: &Csr, x: &[T]) -> Vec<T> {
     assert_eq!(matrix.cols(), x.len(), "operator and cochain do not match");
-    let zero = zero(x);
-    (0..matrix.rows()).into_par_iter().map(|i| dot(row_of(matrix, i), x).unwrap_or(zero)).collect()
-}
-
-/// The zero of the value type of `x`: types such as vectors of a run-time length have no constant one.
-pub(crate) fn zero<T: Value>(x: &[T]) -> T {
-    x[0] * 0.0
+    (0..matrix.rows()).into_par_iter().map(|i| dot(row_of(matrix, i), x).unwrap_or(T::zero())).collect()
 }
 
 /// The largest magnitude of an entry of `a - b`, over all entries.
