@@ -146,6 +146,12 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
                 MaskArrays &out) {
     Sdc::Scheme<SCHEME> scheme(options);
     Sdc::Crease crease(options);
+    // Through plain pointers: indexing a slice is a call.
+    double *vertex_self = out.vertex_self.data(), *vertex_edge = out.vertex_edge.data(),
+           *vertex_face = out.vertex_face.data(), *edge_end = out.edge_end.data(), *edge_face = out.edge_face.data(),
+           *parent_weight = out.parent_weight.data();
+    std::uint8_t *parent_rules = out.parent_rule.data(), *child_rules = out.child_rule.data(),
+                 *child_sharp = out.child_sharp.data();
 
     std::vector<int> first_corner(parent.GetNumFaces() + 1, 0);
     for (int f = 0; f < parent.GetNumFaces(); ++f) {
@@ -165,10 +171,10 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
         bool is_smooth = all_alike && edge_faces.size() == 2 && parent.GetEdgeSharpness(e) == 0.0f;
         auto corner = [&](int i) { return first_corner[edge_faces[i]] + places[i]; };
         if (is_smooth && known) {
-            out.edge_end[2 * e] = smooth[0];
-            out.edge_end[2 * e + 1] = smooth[1];
-            out.edge_face[corner(0)] = smooth[2];
-            out.edge_face[corner(1)] = smooth[3];
+            edge_end[2 * e] = smooth[0];
+            edge_end[2 * e + 1] = smooth[1];
+            edge_face[corner(0)] = smooth[2];
+            edge_face[corner(1)] = smooth[3];
             continue;
         }
         faces.assign(edge_faces.size(), 0.0);
@@ -178,17 +184,17 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
             parent.GetEdgeSharpness(e) > 0.0f ? Sdc::Crease::RULE_CREASE : Sdc::Crease::RULE_SMOOTH;
         scheme.ComputeEdgeVertexMask(EdgeNeighbourhood{parent, e}, mask, rule,
                                      child.GetVertexRule(parent.GetEdgeChildVertex(e)));
-        out.edge_end[2 * e] = ends[0];
-        out.edge_end[2 * e + 1] = ends[1];
+        edge_end[2 * e] = ends[0];
+        edge_end[2 * e + 1] = ends[1];
         for (int i = 0; i < edge_faces.size(); ++i) {
-            out.edge_face[corner(i)] = mask.num_faces ? faces[i] : 0.0;
+            edge_face[corner(i)] = mask.num_faces ? faces[i] : 0.0;
         }
         if (is_smooth) {
             known = true;
             smooth[0] = ends[0];
             smooth[1] = ends[1];
-            smooth[2] = out.edge_face[corner(0)];
-            smooth[3] = out.edge_face[corner(1)];
+            smooth[2] = edge_face[corner(0)];
+            smooth[3] = edge_face[corner(1)];
         }
     }
 
@@ -226,14 +232,14 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
                 mask.face = asked.num_faces ? faces[0] : 0.0;
                 mask.known = true;
             }
-            out.vertex_self[v] = mask.self;
-            out.parent_rule[v] = rule_number(parent_rule);
-            out.child_rule[v] = rule_number(child.GetVertexRule(parent.GetVertexChildVertex(v)));
-            out.parent_weight[v] = 1.0;
+            vertex_self[v] = mask.self;
+            parent_rules[v] = rule_number(parent_rule);
+            child_rules[v] = rule_number(child.GetVertexRule(parent.GetVertexChildVertex(v)));
+            parent_weight[v] = 1.0;
             for (int i = 0; i < vertex_edges.size(); ++i) {
-                out.vertex_edge[2 * vertex_edges[i] + edge_places[i]] = mask.edge;
-                out.child_sharp[2 * vertex_edges[i] + edge_places[i]] = false;
-                out.vertex_face[first_corner[vertex_faces[i]] + face_places[i]] = mask.face;
+                vertex_edge[2 * vertex_edges[i] + edge_places[i]] = mask.edge;
+                child_sharp[2 * vertex_edges[i] + edge_places[i]] = false;
+                vertex_face[first_corner[vertex_faces[i]] + face_places[i]] = mask.face;
             }
             continue;
         }
@@ -245,15 +251,15 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
         child_sharpness.resize(vertex_edges.size());
 
         Sdc::Crease::Rule child_rule = child.GetVertexRule(parent.GetVertexChildVertex(v));
-        Mask mask(&out.vertex_self[v], edges.data(), faces.data());
+        Mask mask(&vertex_self[v], edges.data(), faces.data());
         scheme.ComputeVertexVertexMask(hood, mask, parent_rule, child_rule);
 
         hood.GetSharpnessPerEdge(sharpness.data());
         hood.GetChildSharpnessPerEdge(crease, child_sharpness.data());
-        out.parent_rule[v] = rule_number(parent_rule);
-        out.child_rule[v] = rule_number(child_rule);
+        parent_rules[v] = rule_number(parent_rule);
+        child_rules[v] = rule_number(child_rule);
         bool parent_smooth = parent_rule == Sdc::Crease::RULE_SMOOTH || parent_rule == Sdc::Crease::RULE_DART;
-        out.parent_weight[v] =
+        parent_weight[v] =
             parent_smooth || parent_rule == child_rule
                 ? 1.0
                 : crease.ComputeFractionalWeightAtVertex(hood.GetSharpness(), hood.GetChildSharpness(crease),
@@ -261,12 +267,12 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
                                                          child_sharpness.data());
         for (int i = 0; i < vertex_edges.size(); ++i) {
             int half_edge = 2 * vertex_edges[i] + edge_places[i];
-            out.vertex_edge[half_edge] = mask.num_edges ? edges[i] : 0.0;
-            out.child_sharp[half_edge] = child_sharpness[i] > 0.0f;
+            vertex_edge[half_edge] = mask.num_edges ? edges[i] : 0.0;
+            child_sharp[half_edge] = child_sharpness[i] > 0.0f;
         }
         for (int i = 0; i < vertex_faces.size(); ++i) {
             int corner = first_corner[vertex_faces[i]] + face_places[i];
-            out.vertex_face[corner] = mask.num_faces ? faces[i] : 0.0;
+            vertex_face[corner] = mask.num_faces ? faces[i] : 0.0;
         }
     }
 }
@@ -439,8 +445,9 @@ void Refiner::topology(std::uint32_t l, TopologyArrays out) const {
         throw std::runtime_error("level " + std::to_string(l) + " was refined without its edges");
     }
     std::uint32_t *vertices = out.face_vertices.data(), *edges = out.face_edges.data();
+    std::uint32_t *sizes = out.face_sizes.data();
     for (int f = 0; f < at.GetNumFaces(); ++f) {
-        out.face_sizes[f] = static_cast<std::uint32_t>(at.GetFaceVertices(f).size());
+        sizes[f] = static_cast<std::uint32_t>(at.GetFaceVertices(f).size());
         vertices = append(at.GetFaceVertices(f), vertices);
         edges = append(at.GetFaceEdges(f), edges);
     }
@@ -457,15 +464,18 @@ void Refiner::tags(std::uint32_t l, TagArrays out) const {
     check_length(out.vertex_sharpness, n.vertices, "vertex sharpness");
     check_length(out.vertex_rule, n.vertices, "vertex rules");
     check_length(out.face_hole, n.faces, "face holes");
+    // Through plain pointers: indexing a slice is a call.
+    float *edge_sharpness = out.edge_sharpness.data(), *vertex_sharpness = out.vertex_sharpness.data();
+    std::uint8_t *vertex_rule = out.vertex_rule.data(), *face_hole = out.face_hole.data();
     for (int e = 0; e < at.GetNumEdges(); ++e) {
-        out.edge_sharpness[e] = at.GetEdgeSharpness(e);
+        edge_sharpness[e] = at.GetEdgeSharpness(e);
     }
     for (int v = 0; v < at.GetNumVertices(); ++v) {
-        out.vertex_sharpness[v] = at.GetVertexSharpness(v);
-        out.vertex_rule[v] = rule_number(at.GetVertexRule(v));
+        vertex_sharpness[v] = at.GetVertexSharpness(v);
+        vertex_rule[v] = rule_number(at.GetVertexRule(v));
     }
     for (int f = 0; f < at.GetNumFaces(); ++f) {
-        out.face_hole[f] = at.IsFaceHole(f);
+        face_hole[f] = at.IsFaceHole(f);
     }
 }
 
@@ -622,6 +632,20 @@ Stencils Refiner::limit_stencils(std::uint8_t which) const {
     case Sdc::SCHEME_LOOP: return limit_rows<Sdc::SCHEME_LOOP>(options, at, which);
     }
     fail("OpenSubdiv has a scheme that is not known here");
+}
+
+std::size_t Refiner::per_level_tables() const {
+    typedef Far::StencilTableFactoryReal<double> Factory;
+    Factory::Options options;
+    options.generateIntermediateLevels = true;
+    options.factorizeIntermediateLevels = false;
+    options.generateOffsets = true;
+    options.maxLevel = refiner_->GetMaxLevel();
+    std::unique_ptr<Far::StencilTableReal<double> const> table(Factory::Create(*refiner_, options));
+    if (!table) {
+        fail("OpenSubdiv made no stencil table");
+    }
+    return table->GetControlIndices().size();
 }
 
 void Refiner::interpolate(std::uint32_t l, rust::Slice<const double> source, rust::Slice<double> out) const {

@@ -42,6 +42,9 @@ public:
 
     // OpenSubdiv's own S0 from level - 1 to level, as its stencil table has it.
     Stencils stencils(std::uint32_t level) const;
+    // Builds OpenSubdiv's S0 of all levels, each from the level before, and drops it: the yardstick of the
+    // benchmarks. The number of entries.
+    std::size_t per_level_tables() const;
     // Limit masks on the finest level: 0 position, 1 and 2 the tangents.
     Stencils limit_stencils(std::uint8_t which) const;
     // One value a vertex, from level - 1 to level, by OpenSubdiv's primvar refiner.
@@ -73,5 +76,9 @@ private:
 };
 
 std::unique_ptr<FloatStencilTable> float_stencil_table(Refiner const &refiner);
+// The same of any rows; row i ends at row_ends[i].
+std::unique_ptr<FloatStencilTable> float_table_of(std::uint32_t columns, rust::Slice<const std::uint64_t> row_ends,
+                                                  rust::Slice<const std::uint32_t> indices,
+                                                  rust::Slice<const double> weights);
 
 } // namespace formwork

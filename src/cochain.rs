@@ -132,7 +132,7 @@ impl<T: Quantity> Cochain<1, T> {
 /// `c_h`, the entry of a 1-cochain along a half-edge.
 #[inline]
 pub(crate) fn along<T: Quantity>(c: &[T], h: HalfEdge) -> T {
-    c[h.edge() as usize].scale(h.sign())
+    c[h.edge() as usize].negate_if(h.index() & 1 == 1)
 }
 
 /// `d1 c`.

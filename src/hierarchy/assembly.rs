@@ -47,7 +47,7 @@ pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
     );
     let num_odd = parent.num_corners();
     let length = |edge| if edge < num_odd { odd } else { even };
-    let continued = |h: HalfEdge| r.continued[h.index()];
+    let continued = |h: HalfEdge| r.continued(h);
     fill(shape, exceptions, length, |edge, terms| {
         // Said twice, so that each branch is compiled for its own kind of row.
         let push = |h: HalfEdge, weight: f64| terms.push((h.edge(), weight * h.sign()));

@@ -35,6 +35,11 @@ impl Level {
         })
     }
 
+    /// The complex of the level above.
+    pub(super) fn above(&self) -> Option<&Arc<Mesh>> {
+        self.origin.as_ref().map(|(above, _)| above)
+    }
+
     /// Sharpness, vertex rules and holes.
     pub fn tags(&self) -> &Tags {
         &self.tags

@@ -13,7 +13,8 @@ pub use refinement::{Operators, Refinement};
 use crate::cochain::{Cochain, Quantity};
 use crate::osd::{MAX_LEVELS, OsdError, Refiner};
 use crate::scheme::{Scheme, SchemeError};
-use crate::topology::{Cage, Split, SplitKind};
+use crate::sparse::{Csr, multiply};
+use crate::topology::{Cage, Mesh, Split, SplitKind};
 
 /// A control cage refined a number of times, with the operators between the levels.
 ///
@@ -86,7 +87,8 @@ impl Hierarchy {
                 return Err(HierarchyError::UnknownNumbering { level: l });
             }
             let homotopy = scheme.homotopy(kind, &parent, &refiner.masks(l - 1)?);
-            hierarchy.refinements.push(Refinement::new(&parent, split, homotopy));
+            let refinement = Refinement::new(&parent, hierarchy.finest().above(), split, homotopy);
+            hierarchy.refinements.push(refinement);
             hierarchy.levels.push(Level::refined(parent, split, refiner.tags(l)?));
             progress(l);
         }
@@ -180,6 +182,23 @@ impl Hierarchy {
     /// If `level` is 0 or there is no such level.
     pub fn operators(&self, level: usize) -> Operators {
         self.refinement(level).operators(self.level(level - 1).mesh())
+    }
+}
+
+impl Hierarchy {
+    /// The operators from the cage straight to `level`, the products of those of the levels between. Rows grow with
+    /// the level (on quads `S1` has 5, 11, 17, 22, .. entries a row, on triangles 9, 16, 20, ..), so refining
+    /// level by level is cheaper unless one row is needed by itself.
+    ///
+    /// # Panics
+    /// If `level` is 0 or there is no such level.
+    pub fn composed_operators(&self, level: usize) -> Operators {
+        let product = |operator: &dyn Fn(&Refinement, &Mesh) -> Csr| {
+            let step = |l: usize| operator(self.refinement(l), self.level(l - 1).mesh());
+            (2..=level).fold(step(1), |product, l| multiply(&step(l), &product))
+        };
+        // One after the other, each in parallel: their sum is what memory has to hold.
+        Operators { s0: product(&Refinement::s0), s1: product(&Refinement::s1), s2: product(&Refinement::s2) }
     }
 }
 

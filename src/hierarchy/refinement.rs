@@ -1,6 +1,9 @@
+use std::sync::Arc;
+
 use super::assembly;
 use super::kernel::{self, Workspace};
 use crate::cochain::{Cochain, Quantity};
+use crate::scheme::regular::turn;
 use crate::scheme::{Homotopy, Regular, whitney};
 use crate::sparse::{Csr, Row};
 use crate::topology::{HalfEdge, Mesh, Split};
@@ -10,8 +13,10 @@ use crate::topology::{HalfEdge, Mesh, Split};
 pub struct Refinement {
     pub(super) split: Split,
     pub(super) homotopy: Homotopy,
-    /// On quads, for each half-edge that leaves a regular vertex the one that reaches it straight on;
-    /// [`NONE`] for the others.
+    /// The level above the parent, if both are all quads.
+    pub(super) above: Option<Arc<Mesh>>,
+    /// On quads, for each half-edge that leaves a vertex which is regular in the parent the one that reaches it
+    /// straight on, [`NONE`] for the others: half-edges of the level above, if there is one, else of the parent.
     pub(super) continued: Vec<HalfEdge>,
 }
 
@@ -30,19 +35,46 @@ pub struct Operators {
 }
 
 impl Refinement {
-    pub(super) fn new(parent: &Mesh, split: Split, homotopy: Homotopy) -> Self {
+    pub(super) fn new(parent: &Mesh, above: Option<&Arc<Mesh>>, split: Split, homotopy: Homotopy) -> Self {
+        let quads = homotopy.regular == Regular::Catmark;
+        let above = above.filter(|above| quads && above.uniform_face_size() == Some(4)).cloned();
         let mut continued = Vec::new();
-        if homotopy.regular == Regular::Catmark {
-            continued = vec![NONE; 2 * parent.num_edges()];
-            for v in (0..parent.num_vertices() as u32).filter(|&v| homotopy.h0.position(v as usize).is_none()) {
-                let fan = parent.fans(v).next().expect("a regular vertex has a fan").corners;
-                let spokes: [HalfEdge; 4] = std::array::from_fn(|i| parent.corner_half_edge(fan[i]));
+        if quads {
+            // Vertices keep their numbers: one of the level above is regular in the parent or not.
+            let mesh = above.as_deref().unwrap_or(parent);
+            continued = vec![NONE; 2 * mesh.num_edges()];
+            for v in (0..mesh.num_vertices() as u32).filter(|&v| homotopy.h0.position(v as usize).is_none()) {
+                let fan = mesh.fans(v).next().expect("a regular vertex has a fan").corners;
+                let spokes: [HalfEdge; 4] = std::array::from_fn(|i| mesh.corner_half_edge(fan[i]));
                 for (i, h) in spokes.iter().enumerate() {
                     continued[h.index()] = spokes[(i + 2) % 4].twin();
                 }
             }
         }
-        Refinement { split, homotopy, continued }
+        Refinement { split, homotopy, above, continued }
+    }
+
+    /// The half-edge of the parent that reaches the tail of `h`, a regular vertex of a mesh of quads, straight on.
+    #[inline]
+    pub(super) fn continued(&self, h: HalfEdge) -> HalfEdge {
+        let Some(above) = &self.above else { return self.continued[h.index()] };
+        let inside = above.num_corners() as u32;
+        let leaves_midpoint_or_centre = h.sign() > 0.0;
+        match h.edge() {
+            // p -> m_i, after m_{i+2} -> p; m_i -> p, after that of the quad across.
+            corner if corner < inside => match leaves_midpoint_or_centre {
+                true => HalfEdge::new(turn(corner, 2), false),
+                false => {
+                    let across = above.left_corner(above.corner_half_edge(corner).twin());
+                    HalfEdge::new(across.expect("a regular edge has two faces"), true)
+                }
+            },
+            // m -> v, after the other half; v -> m, after the half of the edge that reaches v.
+            half => match leaves_midpoint_or_centre {
+                true => HalfEdge::new(inside + ((half - inside) ^ 1), false),
+                false => HalfEdge::new(inside + self.continued[(half - inside) as usize].twin().0, true),
+            },
+        }
     }
 
     /// The numbering of the children.

@@ -93,12 +93,19 @@ pub(super) mod ffi {
         fn children(self: &Refiner, level: u32, out: ChildArrays) -> Result<()>;
         fn numbers_children_in_order(self: &Refiner, level: u32, centres: bool) -> Result<bool>;
         fn stencils(self: &Refiner, level: u32) -> Result<Stencils>;
+        fn per_level_tables(self: &Refiner) -> Result<usize>;
         fn limit_stencils(self: &Refiner, which: u8) -> Result<Stencils>;
         fn interpolate(self: &Refiner, level: u32, source: &[f64], out: &mut [f64]) -> Result<()>;
 
         type FloatStencilTable;
 
         fn float_stencil_table(refiner: &Refiner) -> Result<UniquePtr<FloatStencilTable>>;
+        fn float_table_of(
+            columns: u32,
+            row_ends: &[u64],
+            indices: &[u32],
+            weights: &[f64],
+        ) -> Result<UniquePtr<FloatStencilTable>>;
         fn num_stencils(self: &FloatStencilTable) -> usize;
         fn evaluate(self: &FloatStencilTable, source: &[f32], width: u32, out: &mut [f32]) -> Result<()>;
 

@@ -232,6 +232,15 @@ impl Refiner {
         Ok(matrix(&self.0.stencils(level as u32)?, columns))
     }
 
+    /// Builds and drops OpenSubdiv's double-precision stencil tables of S0, each level from the one before, and
+    /// returns the number of their entries: what benchmarks measure our tables against.
+    ///
+    /// # Errors
+    /// If the C++ side fails.
+    pub fn build_per_level_tables(&self) -> Result<usize, OsdError> {
+        Ok(self.0.per_level_tables()?)
+    }
+
     /// OpenSubdiv's limit masks on the finest level.
     ///
     /// # Errors
@@ -270,6 +279,15 @@ impl Refiner {
 pub struct FloatStencilTable(UniquePtr<ffi::FloatStencilTable>);
 
 impl FloatStencilTable {
+    /// The rows of a matrix as such a table, weights in single precision.
+    ///
+    /// # Errors
+    /// If the C++ side fails.
+    pub fn of(matrix: &Csr) -> Result<Self, OsdError> {
+        let row_ends: Vec<u64> = matrix.indptr().raw_storage().iter().skip(1).map(|&end| end as u64).collect();
+        Ok(FloatStencilTable(ffi::float_table_of(matrix.cols() as u32, &row_ends, matrix.indices(), matrix.data())?))
+    }
+
     /// The number of rows.
     pub fn num_stencils(&self) -> usize {
         self.0.num_stencils()

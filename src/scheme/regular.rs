@@ -105,13 +105,10 @@ fn is_regular_edge(kind: SplitKind, mesh: &Mesh, masks: &Masks, e: u32) -> bool 
         && is(masks.edge_face[left as usize], face)
         && is(masks.edge_face[right as usize], face)
         // The faces have nothing in common but the edge.
-        && all_differ(&[far(left), other(left), far(right), other(right)], kind == SplitKind::Triangle)
-}
-
-/// Whether numbers all differ; in `pairs`, numbers 2i and 2i + 1 are the same anyway.
-fn all_differ(numbers: &[u32; 4], pairs: bool) -> bool {
-    let [a, b, c, d] = *numbers;
-    if pairs { a != c } else { a != b && a != c && a != d && b != c && b != d && c != d }
+        && match kind {
+            SplitKind::Quad => all_differ([far(left), other(left), far(right), other(right)]),
+            SplitKind::Triangle => far(left) != far(right),
+        }
 }
 
 fn is_regular_vertex(
@@ -143,12 +140,27 @@ fn is_regular_vertex(
             SplitKind::Triangle => ring[j] = mesh.corner_vertex(next),
         }
     }
-    let ring = &ring[..if kind == SplitKind::Quad { 8 } else { 6 }];
-    spokes.iter().all(|&h| {
-        let regular = kind == SplitKind::Triangle || edges[h.edge() as usize];
-        regular && is(masks.vertex_edge[h.index()], 0.0625)
-    }) && fan.corners.iter().all(|&c| is(masks.vertex_face[c as usize], face))
-        && ring.iter().enumerate().all(|(j, a)| !ring[..j].contains(a))
+    let all_differ = match kind {
+        SplitKind::Quad => all_differ(ring),
+        SplitKind::Triangle => all_differ([ring[0], ring[1], ring[2], ring[3], ring[4], ring[5]]),
+    };
+    all_differ
+        && spokes.iter().all(|&h| {
+            let regular = kind == SplitKind::Triangle || edges[h.edge() as usize];
+            regular && is(masks.vertex_edge[h.index()], 0.0625)
+        })
+        && fan.corners.iter().all(|&c| is(masks.vertex_face[c as usize], face))
+}
+
+/// Whether no number is there twice. Each is compared with those up to half a turn on, without branches.
+fn all_differ<const N: usize>(numbers: [u32; N]) -> bool {
+    let mut alike = false;
+    for by in 1..=N / 2 {
+        for i in 0..N {
+            alike |= numbers[i] == numbers[(i + by) % N];
+        }
+    }
+    !alike
 }
 
 impl Regular {

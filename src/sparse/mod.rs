@@ -24,31 +24,16 @@ pub type Csr = sprs::CsMatI<f64, u32, usize>;
 pub const ROUNDING_DUST: f64 = 1e-15;
 
 /// One row under assembly: a sum of terms `weight * column`, in any order and with repeats.
+#[derive(Default)]
 pub struct Row {
-    // Dense over all columns, so that a repeated column costs one addition and no search. Fresh
-    // pages come zeroed from the system and only those that a row touches are ever mapped.
-    weight: Vec<f64>,
-    listed: Vec<bool>,
-    columns: Vec<u32>,
+    terms: Vec<(u32, f64)>,
 }
 
 impl Row {
-    fn new(num_columns: usize) -> Self {
-        Row { weight: vec![0.0; num_columns], listed: vec![false; num_columns], columns: Vec::new() }
-    }
-
     /// Adds `weight` to the entry in `column`.
-    ///
-    /// # Panics
-    /// If `column` is out of range.
     #[inline]
     pub fn add(&mut self, column: u32, weight: f64) {
-        let c = column as usize;
-        if !self.listed[c] {
-            self.listed[c] = true;
-            self.columns.push(column);
-        }
-        self.weight[c] += weight;
+        self.terms.push((column, weight));
     }
 
     /// Adds `scale` times row `row` of `matrix`.
@@ -65,53 +50,60 @@ impl Row {
 
     /// Hands out the finished row, columns ascending, and clears this one for the next.
     fn drain(&mut self, mut visit: impl FnMut(u32, f64)) {
-        self.columns.sort_unstable();
-        for &column in &self.columns {
-            let c = column as usize;
-            if self.weight[c].abs() > ROUNDING_DUST {
-                visit(column, self.weight[c]);
-            }
-            self.weight[c] = 0.0;
-            self.listed[c] = false;
+        // Stable: the terms of a column are added in the order in which they came.
+        self.terms.sort_by_key(|&(column, _)| column);
+        for terms in self.terms.chunk_by(|a, b| a.0 == b.0) {
+            let weight: f64 = terms.iter().map(|&(_, weight)| weight).sum();
+            visit(terms[0].0, weight);
         }
-        self.columns.clear();
-    }
-
-    /// Moves the finished row to the end of `part` and clears this one for the next.
-    fn flush(&mut self, part: &mut Part) {
-        let before = part.columns.len();
-        self.drain(|column, weight| {
-            part.columns.push(column);
-            part.weights.push(weight);
-        });
-        part.row_lengths.push(part.columns.len() - before);
+        self.terms.clear();
     }
 }
 
 /// A run of consecutive finished rows.
 #[derive(Default)]
 struct Part {
-    row_lengths: Vec<usize>,
+    row_ends: Vec<usize>,
     columns: Vec<u32>,
     weights: Vec<f64>,
+}
+
+impl Part {
+    fn push(&mut self, column: u32, weight: f64) {
+        if weight.abs() > ROUNDING_DUST {
+            self.columns.push(column);
+            self.weights.push(weight);
+        }
+    }
+
+    fn end_row(&mut self) {
+        self.row_ends.push(self.columns.len());
+    }
 }
 
 /// Builds a matrix of `shape = (rows, columns)` by calling `fill(i, row)` once for each row `i`.
 ///
 /// Rows are filled in parallel, each by one thread.
 pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) -> Csr {
-    let (rows, columns) = shape;
+    assemble_parts(shape, |rows, part| {
+        let mut row = Row::default();
+        for i in rows {
+            fill(i, &mut row);
+            row.drain(|column, weight| part.push(column, weight));
+            part.end_row();
+        }
+    })
+}
+
+/// Builds a matrix from runs of rows, `fill(rows, part)` each.
+fn assemble_parts(shape: (usize, usize), fill: impl Fn(Range<usize>, &mut Part) + Sync) -> Csr {
+    let rows = shape.0;
     let rows_per_part = (rows / (4 * rayon::current_num_threads())).max(1024);
     let parts: Vec<Part> = (0..rows.div_ceil(rows_per_part))
         .into_par_iter()
         .map(|p| {
-            let range = p * rows_per_part..((p + 1) * rows_per_part).min(rows);
             let mut part = Part::default();
-            let mut row = Row::new(columns);
-            for i in range {
-                fill(i, &mut row);
-                row.flush(&mut part);
-            }
+            fill(p * rows_per_part..((p + 1) * rows_per_part).min(rows), &mut part);
             part
         })
         .collect();
@@ -121,10 +113,10 @@ pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) ->
     let mut indices = Vec::with_capacity(entries);
     let mut data = Vec::with_capacity(entries);
     offsets.push(0);
+    // Each part is dropped once it is copied, so that what is held stays one matrix.
     for part in parts {
-        for length in part.row_lengths {
-            offsets.push(offsets.last().unwrap() + length);
-        }
+        let before = indices.len();
+        offsets.extend(part.row_ends.iter().map(|end| before + end));
         indices.extend_from_slice(&part.columns);
         data.extend_from_slice(&part.weights);
     }
@@ -246,10 +238,29 @@ fn assemble_difference(a: &Csr, b: &Csr) -> Vec<f64> {
 /// If `a` is not as wide as `b` is tall.
 pub fn multiply(a: &Csr, b: &Csr) -> Csr {
     assert_eq!(a.cols(), b.rows(), "matrices that cannot be multiplied");
-    assemble((a.rows(), b.cols()), |i, row| {
-        let (columns, weights) = row_of(a, i);
-        for (&column, &weight) in columns.iter().zip(weights) {
-            row.add_row(b, column as usize, weight);
+    assemble_parts((a.rows(), b.cols()), |rows, part| {
+        // Rows of products have many terms for each column: they are summed in place, not sorted.
+        let (mut sums, mut listed) = (vec![0.0; b.cols()], vec![false; b.cols()]);
+        let mut columns: Vec<u32> = Vec::new();
+        for i in rows {
+            let (a_columns, a_weights) = row_of(a, i);
+            for (&middle, &scale) in a_columns.iter().zip(a_weights) {
+                let (b_columns, b_weights) = row_of(b, middle as usize);
+                for (&column, &weight) in b_columns.iter().zip(b_weights) {
+                    if !listed[column as usize] {
+                        listed[column as usize] = true;
+                        columns.push(column);
+                    }
+                    sums[column as usize] += scale * weight;
+                }
+            }
+            columns.sort_unstable();
+            for column in columns.drain(..) {
+                let sum = std::mem::take(&mut sums[column as usize]);
+                listed[column as usize] = false;
+                part.push(column, sum);
+            }
+            part.end_row();
         }
     })
 }

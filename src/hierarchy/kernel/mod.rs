@@ -7,10 +7,11 @@
 //! ```
 //!
 //! Where the mesh is regular the sums are arranged so that each number is fetched as few times as possible:
-//! [`quads`], [`triangles`]. The rest, vertices of other valences and features, are [`exceptions`] and computed as
+//! [`blocks`], [`quads`], [`triangles`]. The rest, vertices of other valences and features, are [`exceptions`] and computed as
 //! the formula says. Each child is computed by one thread, in a fixed order of additions, so that results are
 //! bitwise the same for any number of threads.
 
+mod blocks;
 mod exceptions;
 mod quads;
 mod triangles;
@@ -70,14 +71,15 @@ pub(super) fn form1<T: Quantity>(
     workspace: &mut Workspace<T>,
 ) {
     let exceptional = Exceptional::new(r, parent, c);
-    match r.homotopy.regular {
+    match (r.homotopy.regular, &r.above) {
+        (Regular::Catmark, Some(above)) => blocks::form1(r, above, c, out, workspace, &exceptional),
         // A mesh with other faces is exceptional throughout.
-        Regular::Catmark if parent.uniform_face_size() == Some(4) => {
+        (Regular::Catmark, None) if parent.uniform_face_size() == Some(4) => {
             quads::form1(r, parent, c, out, workspace, &exceptional)
         }
-        Regular::Loop => triangles::form1(r, parent, c, out, workspace, &exceptional),
-        Regular::Catmark => exceptional.fill(0, out),
-        Regular::Whitney => out.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(edge, out)| {
+        (Regular::Loop, _) => triangles::form1(r, parent, c, out, workspace, &exceptional),
+        (Regular::Catmark, None) => exceptional.fill(0, out),
+        (Regular::Whitney, _) => out.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(edge, out)| {
             let mut sum = T::zero();
             whitney::w1(parent, r.split.kind(), r.split.edge_parent(edge), |h, weight| {
                 sum = sum + along(c, h).scale(weight);

@@ -43,7 +43,8 @@ pub fn form1<T: Quantity>(
     across.par_chunks_mut(BLOCK).zip(lefts.par_chunks(2 * BLOCK)).enumerate().for_each(|(i, (across, lefts))| {
         for ((sum, sides), &own) in across.iter_mut().zip(lefts.chunks_exact(2)).zip(&c[i * BLOCK..]) {
             if sides[0] != NONE.0 && sides[1] != NONE.0 {
-                let [left, right] = [sides[0], sides[1]].map(|side| along(c, corners[turn(side, 2) as usize]));
+                let left = along(c, corners[turn(sides[0], 2) as usize]);
+                let right = along(c, corners[turn(sides[1], 2) as usize]);
                 *sum = own.scale(6.0) + (right - left);
             }
         }
@@ -58,7 +59,7 @@ pub fn form1<T: Quantity>(
             for side in 0..4 {
                 let across = lefts[h[side].twin().index()];
                 if across != NONE.0 {
-                    let other = pairs[(across / 4 * 2 + across % 2) as usize].scale(SIGN[across as usize & 2]);
+                    let other = pairs[(across / 4 * 2 + across % 2) as usize].negate_if(across & 2 == 2);
                     out[side] = other.scale(1.0 / 16.0) - own[side].scale(3.0 / 16.0);
                 }
             }
@@ -66,7 +67,7 @@ pub fn form1<T: Quantity>(
         exceptional.patch(first, out);
     });
 
-    let sum_along = |h: HalfEdge| across[h.edge() as usize].scale(h.sign());
+    let sum_along = |h: HalfEdge| along(across, h);
     even.par_chunks_mut(2 * BLOCK).enumerate().for_each(|(i, out)| {
         let first = 2 * BLOCK * i;
         let edges = out.chunks_exact_mut(2).zip(r.continued[first..].chunks_exact(2));
@@ -81,5 +82,3 @@ pub fn form1<T: Quantity>(
         exceptional.patch(4 * num_faces + first, out);
     });
 }
-
-const SIGN: [f64; 3] = [1.0, 0.0, -1.0];

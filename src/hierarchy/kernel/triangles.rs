@@ -6,7 +6,7 @@ use super::exceptions::Exceptional;
 use super::{BLOCK, Workspace};
 use crate::cochain::{Quantity, along};
 use crate::hierarchy::refinement::{NONE, Refinement};
-use crate::topology::Mesh;
+use crate::topology::{HalfEdge, Mesh};
 
 pub fn form1<T: Quantity>(
     _: &Refinement,
@@ -48,7 +48,8 @@ pub fn form1<T: Quantity>(
     odd.par_chunks_mut(3 * BLOCK).enumerate().for_each(|(i, out)| {
         let faces = out.chunks_exact_mut(3).zip(corners[3 * BLOCK * i..].chunks_exact(3));
         for ((out, h), &own) in faces.zip(&curl[BLOCK * i..]) {
-            let beside = [h[0], h[1], h[2]].map(|h| lefts[h.twin().index()]);
+            let across = |h: HalfEdge| lefts[h.twin().index()];
+            let beside = [across(h[0]), across(h[1]), across(h[2])];
             for j in 0..3 {
                 let (next, previous) = ((j + 1) % 3, (j + 2) % 3);
                 if beside[j] == NONE.0 || beside[previous] == NONE.0 {
@@ -74,12 +75,12 @@ pub fn form1<T: Quantity>(
             let turn = (d(left) - d(right)).scale(3.0);
             let half = c[e].scale(0.5) - turn.scale(1.0 / 32.0);
             // Both halves are directed away from the midpoint; two more faces at either end.
-            let ends = [(-1.0, previous(left), next(right)), (1.0, previous(right), next(left))];
-            for ((out, (sign, before, behind)), v) in out.iter_mut().zip(ends).zip(parent.edges()[e]) {
-                let [before, behind] = [before, behind].map(across);
+            let ends = [(true, previous(left), next(right)), (false, previous(right), next(left))];
+            for ((out, (negative, before, behind)), v) in out.iter_mut().zip(ends).zip(parent.edges()[e]) {
+                let (before, behind) = (across(before), across(behind));
                 if before != NONE.0 && behind != NONE.0 {
                     let turn = (d(before) - d(behind)).scale(1.0 / 32.0);
-                    *out = at_vertices[v as usize] - at_midpoints[e] + half.scale(sign) + turn;
+                    *out = at_vertices[v as usize] - at_midpoints[e] + half.negate_if(negative) + turn;
                 }
             }
         }
