@@ -13,7 +13,7 @@ use crate::topology::{HalfEdge, Mesh, Split};
 pub struct Refinement {
     pub(super) split: Split,
     pub(super) homotopy: Homotopy,
-    /// The level above the parent, if both are all quads.
+    /// The level above the parent, if its faces are those that the formulas are for.
     pub(super) above: Option<Arc<Mesh>>,
     /// On quads, for each half-edge that leaves a vertex which is regular in the parent the one that reaches it
     /// straight on, [`NONE`] for the others: half-edges of the level above, if there is one, else of the parent.
@@ -37,7 +37,11 @@ pub struct Operators {
 impl Refinement {
     pub(super) fn new(parent: &Mesh, above: Option<&Arc<Mesh>>, split: Split, homotopy: Homotopy) -> Self {
         let quads = homotopy.regular == Regular::Catmark;
-        let above = above.filter(|above| quads && above.uniform_face_size() == Some(4)).cloned();
+        let above = match homotopy.regular {
+            Regular::Catmark => above.filter(|above| above.uniform_face_size() == Some(4)).cloned(),
+            Regular::Loop => above.cloned(),
+            Regular::Whitney => None,
+        };
         let mut continued = Vec::new();
         if quads {
             // Vertices keep their numbers: one of the level above is regular in the parent or not.

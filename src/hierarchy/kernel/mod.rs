@@ -7,13 +7,14 @@
 //! ```
 //!
 //! Where the mesh is regular the sums are arranged so that each number is fetched as few times as possible:
-//! [`blocks`], [`quads`], [`triangles`]. The rest, vertices of other valences and features, are [`exceptions`] and computed as
+//! [`quad_blocks`] and [`triangle_blocks`] from the second level on, [`quads`] and [`triangles`] before. The rest, vertices of other valences and features, are [`exceptions`] and computed as
 //! the formula says. Each child is computed by one thread, in a fixed order of additions, so that results are
 //! bitwise the same for any number of threads.
 
-mod blocks;
 mod exceptions;
+mod quad_blocks;
 mod quads;
+mod triangle_blocks;
 mod triangles;
 
 use rayon::prelude::*;
@@ -72,12 +73,15 @@ pub(super) fn form1<T: Quantity>(
 ) {
     let exceptional = Exceptional::new(r, parent, c);
     match (r.homotopy.regular, &r.above) {
-        (Regular::Catmark, Some(above)) => blocks::form1(r, above, c, out, workspace, &exceptional),
+        (Regular::Catmark, Some(above)) => quad_blocks::form1(r, above, c, out, workspace, &exceptional),
         // A mesh with other faces is exceptional throughout.
         (Regular::Catmark, None) if parent.uniform_face_size() == Some(4) => {
             quads::form1(r, parent, c, out, workspace, &exceptional)
         }
-        (Regular::Loop, _) => triangles::form1(r, parent, c, out, workspace, &exceptional),
+        (Regular::Loop, None) => triangles::form1(parent, c, out, workspace, &exceptional),
+        (Regular::Loop, Some(above)) => {
+            triangle_blocks::form1(above, parent, c, out, workspace, &exceptional)
+        }
         (Regular::Catmark, None) => exceptional.fill(0, out),
         (Regular::Whitney, _) => out.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(edge, out)| {
             let mut sum = T::zero();

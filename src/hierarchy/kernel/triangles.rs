@@ -5,11 +5,10 @@ use rayon::prelude::*;
 use super::exceptions::Exceptional;
 use super::{BLOCK, Workspace};
 use crate::cochain::{Quantity, along};
-use crate::hierarchy::refinement::{NONE, Refinement};
+use crate::hierarchy::refinement::NONE;
 use crate::topology::{HalfEdge, Mesh};
 
 pub fn form1<T: Quantity>(
-    _: &Refinement,
     parent: &Mesh,
     c: &[T],
     out: &mut [T],
@@ -90,12 +89,12 @@ pub fn form1<T: Quantity>(
 
 /// The next corner of the same triangle.
 #[inline]
-fn next(corner: u32) -> u32 {
+pub fn next(corner: u32) -> u32 {
     if corner % 3 == 2 { corner - 2 } else { corner + 1 }
 }
 
 /// The previous corner of the same triangle.
 #[inline]
-fn previous(corner: u32) -> u32 {
+pub fn previous(corner: u32) -> u32 {
     if corner % 3 == 0 { corner + 2 } else { corner - 1 }
 }
