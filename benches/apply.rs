@@ -80,7 +80,11 @@ fn one_level(name: &str, hierarchy: &Hierarchy) {
     let (mut a, b, d) = (vec![0.0; triad_length], vec![1.0; triad_length], vec![2.0; triad_length]);
     let [triad, kernel, csr, evaluator] = paired([
         &mut || {
-            a.par_iter_mut().zip(&b).zip(&d).with_min_len(4096).for_each(|((a, b), c): ((&mut f64, _), _)| *a = b + 3.0 * c);
+            a.par_iter_mut()
+                .zip(&b)
+                .zip(&d)
+                .with_min_len(4096)
+                .for_each(|((a, b), c): ((&mut f64, _), _)| *a = b + 3.0 * c);
             black_box(&mut a);
         },
         &mut || hierarchy.refine_into(level, &c, black_box(&mut out), &mut workspace),
@@ -110,7 +114,11 @@ fn apply_into(matrix: &Csr, x: &[f64], out: &mut [f64]) {
 fn width<T: Quantity>(name: &str, hierarchy: &Hierarchy) {
     let (time, edges) = kernel::<T>(hierarchy);
     let bytes = size_of::<T>() as f64 * 1.25 * edges as f64;
-    println!("  {name:<6} {:>6.0} million child edges a second, {:>5.1} GB/s", edges as f64 / time / 1e3, bytes / time / 1e6);
+    println!(
+        "  {name:<6} {:>6.0} million child edges a second, {:>5.1} GB/s",
+        edges as f64 / time / 1e3,
+        bytes / time / 1e6
+    );
 }
 
 fn cascade(name: &str, hierarchy: &Hierarchy) {
@@ -143,18 +151,18 @@ fn cascade(name: &str, hierarchy: &Hierarchy) {
     let mut by_one_thread = || {
         for level in 1..=4 {
             let (from, to) = alone.split_at_mut(level);
-            one.install(|| hierarchy.refine_into(level, &from[level - 1], black_box(&mut to[0]), &mut workspace_of_one));
+            one.install(|| {
+                hierarchy.refine_into(level, &from[level - 1], black_box(&mut to[0]), &mut workspace_of_one)
+            });
         }
     };
     by_one_thread();
     let composed = hierarchy.composed_operators(4).s1;
     let mut straight = vec![0.0; composed.rows()];
-    let [kernel, one_thread, csr, composed] = paired([
-        &mut by_kernel,
-        &mut by_one_thread,
-        &mut by_matrices,
-        &mut || apply_into(&composed, c.values(), black_box(&mut straight)),
-    ]);
+    let [kernel, one_thread, csr, composed] =
+        paired([&mut by_kernel, &mut by_one_thread, &mut by_matrices, &mut || {
+            apply_into(&composed, c.values(), black_box(&mut straight))
+        }]);
     println!(
         "  {name:<20} kernel {kernel:>6.1} (one thread {one_thread:>6.1}), matrices level by level {csr:>6.1}, composed matrix {composed:>6.1}"
     );

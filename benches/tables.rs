@@ -22,7 +22,9 @@ fn main() {
     // Comparisons with OpenSubdiv, which has one thread.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     one.install(|| {
-        println!("Per-level tables, one thread, f64, medians; milliseconds, and as ratios to OpenSubdiv's sum");
+        println!(
+            "Per-level tables, one thread, f64, medians; milliseconds, and as ratios to OpenSubdiv's sum"
+        );
         println!(
             "{:<20} {:>9} | {:>8} {:>8} | {:>9} {:>8} {:>8} | {:>9} {:>9}",
             "mesh", "faces", "refine", "S0", "hierarchy", "S1, S2", "of it", "S1+S2", "in all"
@@ -89,9 +91,13 @@ fn per_level(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
             refiner.refine_uniform_without_last_edges(levels).unwrap();
             black_box(refiner);
         },
-        &mut || drop(black_box(refiner.build_per_level_tables().unwrap())),
+        &mut || {
+            black_box(refiner.build_per_level_tables().unwrap());
+        },
         &mut || drop(black_box(Hierarchy::new(cage, scheme, levels).unwrap())),
-        &mut || drop(black_box(matrices(&hierarchy))),
+        &mut || {
+            black_box(matrices(&hierarchy));
+        },
     ]);
     let osd = osd_refine + osd_tables;
     let faces = hierarchy.refinement(levels).split().num_children(2);
@@ -121,13 +127,17 @@ fn composed(name: &str, cage: &Cage, scheme: Scheme) {
 fn per_face(name: &str, base: usize, levels: usize) {
     let (_, cage, scheme) = surfaces::all(base).into_iter().find(|surface| surface.0 == name).unwrap();
     let hierarchy = Hierarchy::new(&cage, scheme, levels).unwrap();
-    let [built, tables] = paired([
-        &mut || drop(black_box(Hierarchy::new(&cage, scheme, levels).unwrap())),
-        &mut || drop(black_box(matrices(&hierarchy))),
-    ]);
+    let [built, tables] =
+        paired([&mut || drop(black_box(Hierarchy::new(&cage, scheme, levels).unwrap())), &mut || {
+            black_box(matrices(&hierarchy));
+        }]);
     let faces = hierarchy.refinement(levels).split().num_children(2);
     let per_face = |ms: f64| ms * 1e6 / faces as f64;
-    println!("  {name:<20} {faces:>9} faces: hierarchy {:>5.0}, S1 and S2 {:>5.0}", per_face(built), per_face(tables));
+    println!(
+        "  {name:<20} {faces:>9} faces: hierarchy {:>5.0}, S1 and S2 {:>5.0}",
+        per_face(built),
+        per_face(tables)
+    );
 }
 
 /// Builds one thing and prints the peak of this process.
@@ -136,14 +146,20 @@ fn hold(name: &str, what: &str, levels: usize) {
     match what {
         "cage" => {}
         "refiner" => drop(black_box(refine(&cage, scheme, levels))),
-        "s0" => drop(black_box(refine(&cage, scheme, levels).build_per_level_tables().unwrap())),
+        "s0" => {
+            black_box(refine(&cage, scheme, levels).build_per_level_tables().unwrap());
+        }
         "hierarchy" => drop(black_box(Hierarchy::new(&cage, scheme, levels).unwrap())),
         "apply" => {
             let hierarchy = Hierarchy::new(&cage, scheme, levels).unwrap();
             drop(black_box(hierarchy.subdivide(&surfaces::form::<f64>(&hierarchy))));
         }
-        "s1s2" => drop(black_box(matrices(&Hierarchy::new(&cage, scheme, levels).unwrap()))),
-        "composed" => drop(black_box(Hierarchy::new(&cage, scheme, levels).unwrap().composed_operators(levels))),
+        "s1s2" => {
+            black_box(matrices(&Hierarchy::new(&cage, scheme, levels).unwrap()));
+        }
+        "composed" => {
+            drop(black_box(Hierarchy::new(&cage, scheme, levels).unwrap().composed_operators(levels)))
+        }
         _ => unreachable!("nothing else is asked for"),
     }
     println!("{}", common::peak_memory().unwrap_or(0));

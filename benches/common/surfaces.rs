@@ -8,7 +8,8 @@ use formwork::topology::{Cage, Crease, Descriptor};
 use super::{Random, meshes};
 
 /// Loop, with everything at its default.
-pub const LOOP: Scheme = Scheme::Loop(formwork::scheme::Variant::Loop, formwork::scheme::BoundaryRule::Reflect);
+pub const LOOP: Scheme =
+    Scheme::Loop(formwork::scheme::Variant::Loop, formwork::scheme::BoundaryRule::Reflect);
 
 /// Quads and triangles, regular and irregular, of about as many faces as asked for (those of the irregular quads
 /// counted after the first split, by four).

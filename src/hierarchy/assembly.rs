@@ -27,7 +27,7 @@ pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
         Parent::Edge(_) => at_edge,
         Parent::Face(f) => parent.face_size(f),
     };
-    fill(shape, exceptions, length, |vertex, terms| {
+    fill(shape, &exceptions, length, |vertex, terms| {
         regular.s0(parent, r.split.vertex_parent(vertex), |v, weight| terms.push((v, weight)));
     })
 }
@@ -40,15 +40,10 @@ pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
         Regular::Catmark => [6, 4],
         Regular::Loop => [10, 7],
     };
-    let exceptions = Exceptions::collect(
-        shape,
-        |edge| r.homotopy.h1.position(edge).is_some(),
-        |edge, row| r.add_s1_row(parent, edge, 1.0, row),
-    );
     let num_odd = parent.num_corners();
     let length = |edge| if edge < num_odd { odd } else { even };
     let continued = |h: HalfEdge| r.continued(h);
-    fill(shape, exceptions, length, |edge, terms| {
+    fill(shape, &r.s1_exceptions, length, |edge, terms| {
         // Said twice, so that each branch is compiled for its own kind of row.
         let push = |h: HalfEdge, weight: f64| terms.push((h.edge(), weight * h.sign()));
         match r.split.edge_parent(edge) {
@@ -71,7 +66,7 @@ pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
         (_, SplitKind::Triangle) if face % 4 != 3 => 5,
         _ => 4,
     };
-    fill(shape, exceptions, length, |face, terms| {
+    fill(shape, &exceptions, length, |face, terms| {
         regular.s2(parent, &r.split, face, |f, weight| terms.push((f, weight)));
     })
 }
@@ -79,12 +74,12 @@ pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
 /// The rows of the exceptions, and for the others what `regular` gives, `length` terms in any order.
 fn fill(
     shape: (usize, usize),
-    exceptions: Exceptions,
+    exceptions: &Exceptions,
     length: impl Fn(usize) -> usize,
     regular: impl Fn(usize, &mut Terms) + Sync,
 ) -> Csr {
     if exceptions.members().len() == shape.0 {
-        return exceptions.into_rows();
+        return exceptions.rows().clone();
     }
     let mut members = exceptions.members().iter().enumerate().peekable();
     let lengths = (0..shape.0).map(|row| match members.next_if(|(_, member)| **member as usize == row) {

@@ -140,7 +140,11 @@ impl Hierarchy {
     ///
     /// # Panics
     /// If `level` is 0 or there is no such level, or the cochain does not belong to `level - 1`.
-    pub fn refine<const K: usize, T: Quantity>(&self, level: usize, cochain: &Cochain<K, T>) -> Cochain<K, T> {
+    pub fn refine<const K: usize, T: Quantity>(
+        &self,
+        level: usize,
+        cochain: &Cochain<K, T>,
+    ) -> Cochain<K, T> {
         let mut refined = Cochain::new(Vec::new());
         self.refine_into(level, cochain, &mut refined, &mut Workspace::new());
         refined

@@ -5,7 +5,7 @@ use super::kernel::{self, Workspace};
 use crate::cochain::{Cochain, Quantity};
 use crate::scheme::regular::turn;
 use crate::scheme::{Homotopy, Regular, whitney};
-use crate::sparse::{Csr, Row};
+use crate::sparse::{Csr, Exceptions, Row};
 use crate::topology::{HalfEdge, Mesh, Split};
 
 /// One step of refinement: the split and the two tables of the scheme.
@@ -13,6 +13,8 @@ use crate::topology::{HalfEdge, Mesh, Split};
 pub struct Refinement {
     pub(super) split: Split,
     pub(super) homotopy: Homotopy,
+    /// The rows of `S1` that are exceptions, where those of `H1` are.
+    pub(super) s1_exceptions: Exceptions,
     /// The level above the parent, if its faces are those that the formulas are for.
     pub(super) above: Option<Arc<Mesh>>,
     /// On quads, for each half-edge that leaves a vertex which is regular in the parent the one that reaches it
@@ -55,7 +57,12 @@ impl Refinement {
                 }
             }
         }
-        Refinement { split, homotopy, above, continued }
+        let s1_exceptions = Exceptions::collect(
+            (split.num_children(1), parent.num_edges()),
+            |edge| homotopy.h1.position(edge).is_some(),
+            |edge, row| add_s1_row(&split, &homotopy, parent, edge, 1.0, row),
+        );
+        Refinement { split, homotopy, s1_exceptions, above, continued }
     }
 
     /// The half-edge of the parent that reaches the tail of `h`, a regular vertex of a mesh of quads, straight on.
@@ -102,7 +109,8 @@ impl Refinement {
 
     /// `S0 = W0 + H0 d0`, `S1 = W1 + d0' H0 + H1 d1`, `S2 = W2 + d1' H1`.
     pub fn operators(&self, parent: &Mesh) -> Operators {
-        let (s0, (s1, s2)) = rayon::join(|| self.s0(parent), || rayon::join(|| self.s1(parent), || self.s2(parent)));
+        let (s0, (s1, s2)) =
+            rayon::join(|| self.s0(parent), || rayon::join(|| self.s1(parent), || self.s2(parent)));
         Operators { s0, s1, s2 }
     }
 
@@ -134,16 +142,10 @@ impl Refinement {
 
     /// Adds `scale` times the row of `S1` of a child edge.
     pub(crate) fn add_s1_row(&self, parent: &Mesh, edge: usize, scale: f64, row: &mut Row) {
-        let (split, place) = (&self.split, self.split.edge_parent(edge));
-        whitney::w1(parent, split.kind(), place, |h, weight| row.add(h.edge(), scale * weight * h.sign()));
-        let [tail, head] = split.edge_ends(parent, place);
-        self.homotopy.add_h0_row(parent, split, head, scale, row);
-        self.homotopy.add_h0_row(parent, split, tail, -scale, row);
-        self.homotopy.for_each_h1(parent, split, place, |f, weight| {
-            for h in parent.face_half_edges(f) {
-                row.add(h.edge(), scale * weight * h.sign());
-            }
-        });
+        match self.s1_exceptions.get(edge) {
+            Some(stored) => row.add_all(stored, scale),
+            None => add_s1_row(&self.split, &self.homotopy, parent, edge, scale, row),
+        }
     }
 
     /// Adds `scale` times the row of `S2` of a child face.
@@ -172,4 +174,18 @@ impl Refinement {
             _ => unreachable!("a surface has cells of dimension 0, 1 and 2"),
         }
     }
+}
+
+/// Adds `scale` times the row of `W1 + d0' H0 + H1 d1` of a child edge.
+fn add_s1_row(split: &Split, homotopy: &Homotopy, parent: &Mesh, edge: usize, scale: f64, row: &mut Row) {
+    let place = split.edge_parent(edge);
+    whitney::w1(parent, split.kind(), place, |h, weight| row.add(h.edge(), scale * weight * h.sign()));
+    let [tail, head] = split.edge_ends(parent, place);
+    homotopy.add_h0_row(parent, split, head, scale, row);
+    homotopy.add_h0_row(parent, split, tail, -scale, row);
+    homotopy.for_each_h1(parent, split, place, |f, weight| {
+        for h in parent.face_half_edges(f) {
+            row.add(h.edge(), scale * weight * h.sign());
+        }
+    });
 }

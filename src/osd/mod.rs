@@ -284,8 +284,14 @@ impl FloatStencilTable {
     /// # Errors
     /// If the C++ side fails.
     pub fn of(matrix: &Csr) -> Result<Self, OsdError> {
-        let row_ends: Vec<u64> = matrix.indptr().raw_storage().iter().skip(1).map(|&end| end as u64).collect();
-        Ok(FloatStencilTable(ffi::float_table_of(matrix.cols() as u32, &row_ends, matrix.indices(), matrix.data())?))
+        let row_ends: Vec<u64> =
+            matrix.indptr().raw_storage().iter().skip(1).map(|&end| end as u64).collect();
+        Ok(FloatStencilTable(ffi::float_table_of(
+            matrix.cols() as u32,
+            &row_ends,
+            matrix.indices(),
+            matrix.data(),
+        )?))
     }
 
     /// The number of rows.

@@ -7,11 +7,10 @@
 //! ```
 //!
 //! Where the mesh is regular the sums are arranged so that each number is fetched as few times as possible:
-//! [`quad_blocks`] and [`triangle_blocks`] from the second level on, [`quads`] and [`triangles`] before. The rest, vertices of other valences and features, are [`exceptions`] and computed as
-//! the formula says. Each child is computed by one thread, in a fixed order of additions, so that results are
+//! [`quad_blocks`] and [`triangle_blocks`] from the second level on, [`quads`] and [`triangles`] before. The rest, vertices of other valences and features, are exceptions, whose
+//! rows are stored. Each child is computed by one thread, in a fixed order of additions, so that results are
 //! bitwise the same for any number of threads.
 
-mod exceptions;
 mod quad_blocks;
 mod quads;
 mod triangle_blocks;
@@ -22,9 +21,8 @@ use rayon::prelude::*;
 use super::refinement::Refinement;
 use crate::cochain::{Quantity, along};
 use crate::scheme::{Regular, whitney};
+use crate::sparse::dot;
 use crate::topology::Mesh;
-
-use exceptions::Exceptional;
 
 /// How many parents are done at once by one thread.
 const BLOCK: usize = 2048;
@@ -71,25 +69,36 @@ pub(super) fn form1<T: Quantity>(
     out: &mut [T],
     workspace: &mut Workspace<T>,
 ) {
-    let exceptional = Exceptional::new(r, parent, c);
     match (r.homotopy.regular, &r.above) {
-        (Regular::Catmark, Some(above)) => quad_blocks::form1(r, above, c, out, workspace, &exceptional),
+        (Regular::Catmark, Some(above)) => quad_blocks::form1(r, above, c, out, workspace),
         // A mesh with other faces is exceptional throughout.
         (Regular::Catmark, None) if parent.uniform_face_size() == Some(4) => {
-            quads::form1(r, parent, c, out, workspace, &exceptional)
+            quads::form1(r, parent, c, out, workspace)
         }
-        (Regular::Loop, None) => triangles::form1(parent, c, out, workspace, &exceptional),
-        (Regular::Loop, Some(above)) => {
-            triangle_blocks::form1(above, parent, c, out, workspace, &exceptional)
+        (Regular::Loop, None) => triangles::form1(r, parent, c, out, workspace),
+        (Regular::Loop, Some(above)) => triangle_blocks::form1(r, above, c, out, workspace),
+        (Regular::Catmark, None) => {
+            let chunks = out.par_chunks_mut(BLOCK).enumerate();
+            chunks.for_each(|(i, out)| patch(r, c, BLOCK * i, out));
         }
-        (Regular::Catmark, None) => exceptional.fill(0, out),
-        (Regular::Whitney, _) => out.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(edge, out)| {
-            let mut sum = T::zero();
-            whitney::w1(parent, r.split.kind(), r.split.edge_parent(edge), |h, weight| {
-                sum = sum + along(c, h).scale(weight);
-            });
-            *out = sum;
-        }),
+        (Regular::Whitney, _) => {
+            out.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(edge, out)| {
+                let mut sum = T::zero();
+                whitney::w1(parent, r.split.kind(), r.split.edge_parent(edge), |h, weight| {
+                    sum = sum + along(c, h).scale(weight);
+                });
+                *out = sum;
+            })
+        }
+    }
+}
+
+/// Writes the exceptions among the child edges that begin with number `first`.
+#[inline]
+fn patch<T: Quantity>(r: &Refinement, c: &[T], first: usize, out: &mut [T]) {
+    for position in r.s1_exceptions.among(first..first + out.len()) {
+        let edge = r.s1_exceptions.members()[position] as usize;
+        out[edge - first] = dot(r.s1_exceptions.stored(position), c).unwrap_or(T::zero());
     }
 }
 
@@ -110,4 +119,3 @@ pub(super) fn form2<T: Quantity>(r: &Refinement, parent: &Mesh, density: &[T], o
         *out = sum;
     });
 }
-

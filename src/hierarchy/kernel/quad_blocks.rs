@@ -12,20 +12,19 @@
 //! edge (six times itself, and its parallels) and those over the pair of parallel edges of a child
 //!
 //! ```text
-//! U_i = 6 o_i + b_{i-1} - a_{i+1}        X_i = -(o_i + b_{i-1})        Y_i = o_{i-1} - a_i
+//! U_i = 6 o_i + b_{i-1} - a_{i+1}        X_i = o_i + b_{i-1}        Y_i = o_{i-1} - a_i
 //! ```
 //!
 //! the rows of [`super::quads`] are, for the child at `v_i` towards its four sides, and along the halves of `o_i`,
 //!
 //! ```text
-//! 16 x  (-Y'_{t+1} - 3 X_i,  -X_{i+1} - 3 Y_i,  Y_{i-1} + 3 X_i,  X'_t + 3 Y_i)
+//! 16 x  (3 X_i - Y'_{t+1},  X_{i+1} - 3 Y_i,  Y_{i-1} - 3 X_i,  3 Y_i - X'_t)
 //! 64 x  (U_{i+2} - 3 U_i,  3 U_i - U'_t)
 //! ```
 
 use rayon::prelude::*;
 
-use super::exceptions::Exceptional;
-use super::{BLOCK, Workspace};
+use super::{BLOCK, Workspace, patch};
 use crate::cochain::Quantity;
 use crate::hierarchy::refinement::{NONE, Refinement};
 use crate::scheme::regular::turn;
@@ -38,7 +37,6 @@ pub fn form1<T: Quantity>(
     c: &[T],
     out: &mut [T],
     workspace: &mut Workspace<T>,
-    exceptional: &Exceptional<T>,
 ) {
     let (corners, lefts) = (above.corner_half_edges(), above.left_corners());
     let num_corners = above.num_corners();
@@ -79,8 +77,8 @@ pub fn form1<T: Quantity>(
                 })
             });
         }
-        exceptional.patch(4 * first, odd);
-        exceptional.patch(4 * num_corners + 2 * first, inner);
+        patch(r, c, 4 * first, odd);
+        patch(r, c, 4 * num_corners + 2 * first, inner);
     });
 
     outer.par_chunks_mut(4 * BLOCK).enumerate().for_each(|(i, out)| {
@@ -96,7 +94,7 @@ pub fn form1<T: Quantity>(
                 }
             }
         }
-        exceptional.patch(6 * num_corners + 2 * first, out);
+        patch(r, c, 6 * num_corners + 2 * first, out);
     });
 }
 
@@ -112,30 +110,29 @@ fn inside<T: Quantity>(
     across: impl Fn(HalfEdge) -> Option<[T; 3]>,
 ) {
     let (odd, inner) = (&mut odd[..16], &mut inner[..8]);
-    let o = [o[0], o[1], o[2], o[3]];
-    let sides = [sides[0], sides[1], sides[2], sides[3]];
-    let mut a = [T::zero(); 4];
-    let mut b = a;
-    for i in 0..4 {
-        a[i] = T::zero() - halves[sides[i].index()];
-        b[i] = halves[sides[i].twin().index()];
-    }
+    // Scaled once: X, Y by 1/16 and U by 1/64.
+    let o = [0, 1, 2, 3].map(|i| o[i].scale(1.0 / 16.0));
+    let a = [0, 1, 2, 3].map(|i| halves[sides[i].index()].scale(-1.0 / 16.0));
+    let b = [0, 1, 2, 3].map(|i| halves[sides[i].twin().index()].scale(1.0 / 16.0));
+    let u = |o: T, difference: T| o.scale(1.5) + difference.scale(0.25);
     let (mut sum, mut x, mut y) = (a, a, a);
     for i in 0..4 {
         let (next, previous) = ((i + 1) % 4, (i + 3) % 4);
-        sum[i] = o[i].scale(6.0) + (b[previous] - a[next]);
-        x[i] = T::zero() - (o[i] + b[previous]);
+        sum[i] = u(o[i], b[previous] - a[next]);
+        x[i] = o[i] + b[previous];
         y[i] = o[previous] - a[i];
     }
+    let (sum3, x3, y3) = (sum.map(|u| u.scale(3.0)), x.map(|x| x.scale(3.0)), y.map(|y| y.scale(3.0)));
     for i in 0..4 {
         let (next, behind, previous) = ((i + 1) % 4, (i + 2) % 4, (i + 3) % 4);
-        odd[4 * i + next] = (T::zero() - x[next] - y[i].scale(3.0)).scale(1.0 / 16.0);
-        odd[4 * i + behind] = (y[previous] + x[i].scale(3.0)).scale(1.0 / 16.0);
-        inner[2 * i] = (sum[behind] - sum[i].scale(3.0)).scale(1.0 / 64.0);
-        if let Some([a, b, o]) = across(sides[i]) {
-            odd[4 * i + i] = (a - o - x[i].scale(3.0)).scale(1.0 / 16.0);
-            odd[4 * next + i] = (y[next].scale(3.0) - (o + b)).scale(1.0 / 16.0);
-            inner[2 * i + 1] = (sum[i].scale(3.0) - (o.scale(6.0) + (b - a))).scale(1.0 / 64.0);
+        odd[4 * i + next] = x[next] - y3[i];
+        odd[4 * i + behind] = y[previous] - x3[i];
+        inner[2 * i] = sum[behind] - sum3[i];
+        if let Some(beyond) = across(sides[i]) {
+            let [a, b, o] = beyond.map(|value| value.scale(1.0 / 16.0));
+            odd[4 * i + i] = x3[i] + (a - o);
+            odd[4 * next + i] = y3[next] - (o + b);
+            inner[2 * i + 1] = sum3[i] - u(o, b - a);
         }
     }
 }

@@ -9,8 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::exceptions::Exceptional;
-use super::{BLOCK, Workspace};
+use super::{BLOCK, Workspace, patch};
 use crate::cochain::{Quantity, along};
 use crate::hierarchy::refinement::{NONE, Refinement};
 use crate::scheme::regular::turn;
@@ -22,7 +21,6 @@ pub fn form1<T: Quantity>(
     c: &[T],
     out: &mut [T],
     workspace: &mut Workspace<T>,
-    exceptional: &Exceptional<T>,
 ) {
     let (corners, lefts) = (parent.corner_half_edges(), parent.left_corners());
     let (num_faces, num_edges) = (parent.num_faces(), parent.num_edges());
@@ -40,15 +38,17 @@ pub fn form1<T: Quantity>(
     // For each edge the sum across: six times itself, and its parallels.
     let across = &mut workspace.edges;
     across.resize(num_edges, T::zero());
-    across.par_chunks_mut(BLOCK).zip(lefts.par_chunks(2 * BLOCK)).enumerate().for_each(|(i, (across, lefts))| {
-        for ((sum, sides), &own) in across.iter_mut().zip(lefts.chunks_exact(2)).zip(&c[i * BLOCK..]) {
-            if sides[0] != NONE.0 && sides[1] != NONE.0 {
-                let left = along(c, corners[turn(sides[0], 2) as usize]);
-                let right = along(c, corners[turn(sides[1], 2) as usize]);
-                *sum = own.scale(6.0) + (right - left);
+    across.par_chunks_mut(BLOCK).zip(lefts.par_chunks(2 * BLOCK)).enumerate().for_each(
+        |(i, (across, lefts))| {
+            for ((sum, sides), &own) in across.iter_mut().zip(lefts.chunks_exact(2)).zip(&c[i * BLOCK..]) {
+                if sides[0] != NONE.0 && sides[1] != NONE.0 {
+                    let left = along(c, corners[turn(sides[0], 2) as usize]);
+                    let right = along(c, corners[turn(sides[1], 2) as usize]);
+                    *sum = own.scale(6.0) + (right - left);
+                }
             }
-        }
-    });
+        },
+    );
 
     let (odd, even) = out.split_at_mut(4 * num_faces);
     odd.par_chunks_mut(4 * BLOCK).enumerate().for_each(|(i, out)| {
@@ -64,7 +64,7 @@ pub fn form1<T: Quantity>(
                 }
             }
         }
-        exceptional.patch(first, out);
+        patch(r, c, first, out);
     });
 
     let sum_along = |h: HalfEdge| along(across, h);
@@ -79,6 +79,6 @@ pub fn form1<T: Quantity>(
                 }
             }
         }
-        exceptional.patch(4 * num_faces + first, out);
+        patch(r, c, 4 * num_faces + first, out);
     });
 }

@@ -19,11 +19,10 @@
 
 use rayon::prelude::*;
 
-use super::exceptions::Exceptional;
 use super::triangles::{next, previous};
-use super::{BLOCK, Workspace};
+use super::{BLOCK, Workspace, patch};
 use crate::cochain::Quantity;
-use crate::hierarchy::refinement::NONE;
+use crate::hierarchy::refinement::{NONE, Refinement};
 use crate::topology::{HalfEdge, Mesh};
 
 /// A 1-cochain on the children of the triangles of a level.
@@ -67,12 +66,11 @@ fn child_at(corner: u32) -> usize {
 
 /// `above` is the level above the parent.
 pub fn form1<T: Quantity>(
+    r: &Refinement,
     above: &Mesh,
-    parent: &Mesh,
     c: &[T],
     out: &mut [T],
     workspace: &mut Workspace<T>,
-    exceptional: &Exceptional<T>,
 ) {
     let num_corners = above.num_corners();
     let (inside, halves) = c.split_at(num_corners);
@@ -86,7 +84,7 @@ pub fn form1<T: Quantity>(
         *out = spokes.fold(T::zero(), |sum, &h| sum + halves[h.index()]).scale(-1.0 / 16.0);
     });
     let curl = &mut workspace.faces;
-    curl.resize(parent.num_faces(), T::zero());
+    curl.resize(4 * above.num_faces(), T::zero());
 
     let (odd, even) = out.split_at_mut(4 * num_corners);
     let (inner, outer) = even.split_at_mut(2 * num_corners);
@@ -97,8 +95,8 @@ pub fn form1<T: Quantity>(
         for (f, ((odd, inner), curl)) in faces.enumerate() {
             within(&k, (first + 3 * f) as u32, odd, inner, curl);
         }
-        exceptional.patch(4 * first, odd);
-        exceptional.patch(4 * num_corners + 2 * first, inner);
+        patch(r, c, 4 * first, odd);
+        patch(r, c, 4 * num_corners + 2 * first, inner);
     });
 
     let curl = &curl[..];
@@ -112,7 +110,7 @@ pub fn form1<T: Quantity>(
                 along_edge(&k, curl, e, [left, right], ends, out);
             }
         }
-        exceptional.patch(6 * num_corners + 4 * first, out);
+        patch(r, c, 6 * num_corners + 4 * first, out);
     });
 }
 
@@ -126,7 +124,8 @@ fn within<T: Quantity>(k: &Children<T>, first: u32, odd: &mut [T], inner: &mut [
     let b = [k.b(at(0)), k.b(at(1)), k.b(at(2))];
     let o = [k.o(at(0)), k.o(at(1)), k.o(at(2))];
     let zero = T::zero();
-    let (mut d, mut h_inner, mut h_a, mut h_b, mut at_m) = ([zero; 3], [zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+    let (mut d, mut h_inner, mut h_a, mut h_b, mut at_m) =
+        ([zero; 3], [zero; 3], [zero; 3], [zero; 3], [zero; 3]);
     let (mut beyond_a, mut beyond_b) = ([zero; 3], [zero; 3]);
     let mut open = [false; 3];
     for i in 0..3 {

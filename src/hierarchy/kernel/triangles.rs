@@ -2,18 +2,17 @@
 
 use rayon::prelude::*;
 
-use super::exceptions::Exceptional;
-use super::{BLOCK, Workspace};
+use super::{BLOCK, Workspace, patch};
 use crate::cochain::{Quantity, along};
-use crate::hierarchy::refinement::NONE;
+use crate::hierarchy::refinement::{NONE, Refinement};
 use crate::topology::{HalfEdge, Mesh};
 
 pub fn form1<T: Quantity>(
+    r: &Refinement,
     parent: &Mesh,
     c: &[T],
     out: &mut [T],
     workspace: &mut Workspace<T>,
-    exceptional: &Exceptional<T>,
 ) {
     let (corners, lefts) = (parent.corner_half_edges(), parent.left_corners());
     let (num_faces, num_edges) = (parent.num_faces(), parent.num_edges());
@@ -36,12 +35,14 @@ pub fn form1<T: Quantity>(
     });
     let at_midpoints = &mut workspace.edges;
     at_midpoints.resize(num_edges, T::zero());
-    at_midpoints.par_iter_mut().with_min_len(BLOCK).zip(lefts.par_chunks_exact(2)).for_each(|(out, sides)| {
-        if sides[0] != NONE.0 && sides[1] != NONE.0 {
-            let to_opposite = |corner| value(next(corner)) - value(previous(corner));
-            *out = (to_opposite(sides[0]) + to_opposite(sides[1])).scale(1.0 / 16.0);
-        }
-    });
+    at_midpoints.par_iter_mut().with_min_len(BLOCK).zip(lefts.par_chunks_exact(2)).for_each(
+        |(out, sides)| {
+            if sides[0] != NONE.0 && sides[1] != NONE.0 {
+                let to_opposite = |corner| value(next(corner)) - value(previous(corner));
+                *out = (to_opposite(sides[0]) + to_opposite(sides[1])).scale(1.0 / 16.0);
+            }
+        },
+    );
 
     let (odd, even) = out.split_at_mut(3 * num_faces);
     odd.par_chunks_mut(3 * BLOCK).enumerate().for_each(|(i, out)| {
@@ -60,7 +61,7 @@ pub fn form1<T: Quantity>(
                 out[j] = whitney.scale(0.25) + way + (own.scale(2.0) - others).scale(1.0 / 32.0);
             }
         }
-        exceptional.patch(3 * BLOCK * i, out);
+        patch(r, c, 3 * BLOCK * i, out);
     });
 
     even.par_chunks_mut(2 * BLOCK).enumerate().for_each(|(i, out)| {
@@ -83,7 +84,7 @@ pub fn form1<T: Quantity>(
                 }
             }
         }
-        exceptional.patch(3 * num_faces + 2 * BLOCK * i, out);
+        patch(r, c, 3 * num_faces + 2 * BLOCK * i, out);
     });
 }
 
