@@ -24,16 +24,37 @@ pub type Csr = sprs::CsMatI<f64, u32, usize>;
 pub const ROUNDING_DUST: f64 = 1e-15;
 
 /// One row under assembly: a sum of terms `weight * column`, in any order and with repeats.
-#[derive(Default)]
 pub struct Row {
+    /// With room for all columns, so that a repeated column costs one addition and no search; or without any,
+    /// where so few rows are wanted of so wide a matrix that the room would cost more.
+    sums: Vec<f64>,
+    listed: Vec<bool>,
+    columns: Vec<u32>,
     terms: Vec<(u32, f64)>,
 }
 
 impl Row {
+    /// For `rows` rows of a matrix of so many columns.
+    fn new(rows: usize, columns: usize) -> Self {
+        let room = if columns < 16 * rows { columns } else { 0 };
+        Row { sums: vec![0.0; room], listed: vec![false; room], columns: Vec::new(), terms: Vec::new() }
+    }
+
     /// Adds `weight` to the entry in `column`.
+    ///
+    /// # Panics
+    /// If `column` is out of range, here or when the matrix is complete.
     #[inline]
     pub fn add(&mut self, column: u32, weight: f64) {
-        self.terms.push((column, weight));
+        if self.sums.is_empty() {
+            return self.terms.push((column, weight));
+        }
+        let c = column as usize;
+        if !self.listed[c] {
+            self.listed[c] = true;
+            self.columns.push(column);
+        }
+        self.sums[c] += weight;
     }
 
     /// Adds `scale` times row `row` of `matrix`.
@@ -48,15 +69,20 @@ impl Row {
         }
     }
 
-    /// Hands out the finished row, columns ascending, and clears this one for the next.
-    fn drain(&mut self, mut visit: impl FnMut(u32, f64)) {
-        // Stable: the terms of a column are added in the order in which they came.
+    /// Moves the finished row to the end of `part` and clears this one for the next.
+    fn flush(&mut self, part: &mut Part) {
+        self.columns.sort_unstable();
+        for column in self.columns.drain(..) {
+            part.push(column, std::mem::take(&mut self.sums[column as usize]));
+            self.listed[column as usize] = false;
+        }
+        // Stable, so that the terms of a column are added in the order in which they came, here as there.
         self.terms.sort_by_key(|&(column, _)| column);
         for terms in self.terms.chunk_by(|a, b| a.0 == b.0) {
-            let weight: f64 = terms.iter().map(|&(_, weight)| weight).sum();
-            visit(terms[0].0, weight);
+            part.push(terms[0].0, terms.iter().fold(0.0, |sum, &(_, weight)| sum + weight));
         }
         self.terms.clear();
+        part.end_row();
     }
 }
 
@@ -86,11 +112,10 @@ impl Part {
 /// Rows are filled in parallel, each by one thread.
 pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) -> Csr {
     assemble_parts(shape, |rows, part| {
-        let mut row = Row::default();
+        let mut row = Row::new(rows.len(), shape.1);
         for i in rows {
             fill(i, &mut row);
-            row.drain(|column, weight| part.push(column, weight));
-            part.end_row();
+            row.flush(part);
         }
     })
 }
@@ -238,29 +263,10 @@ fn assemble_difference(a: &Csr, b: &Csr) -> Vec<f64> {
 /// If `a` is not as wide as `b` is tall.
 pub fn multiply(a: &Csr, b: &Csr) -> Csr {
     assert_eq!(a.cols(), b.rows(), "matrices that cannot be multiplied");
-    assemble_parts((a.rows(), b.cols()), |rows, part| {
-        // Rows of products have many terms for each column: they are summed in place, not sorted.
-        let (mut sums, mut listed) = (vec![0.0; b.cols()], vec![false; b.cols()]);
-        let mut columns: Vec<u32> = Vec::new();
-        for i in rows {
-            let (a_columns, a_weights) = row_of(a, i);
-            for (&middle, &scale) in a_columns.iter().zip(a_weights) {
-                let (b_columns, b_weights) = row_of(b, middle as usize);
-                for (&column, &weight) in b_columns.iter().zip(b_weights) {
-                    if !listed[column as usize] {
-                        listed[column as usize] = true;
-                        columns.push(column);
-                    }
-                    sums[column as usize] += scale * weight;
-                }
-            }
-            columns.sort_unstable();
-            for column in columns.drain(..) {
-                let sum = std::mem::take(&mut sums[column as usize]);
-                listed[column as usize] = false;
-                part.push(column, sum);
-            }
-            part.end_row();
+    assemble((a.rows(), b.cols()), |i, row| {
+        let (columns, weights) = row_of(a, i);
+        for (&column, &weight) in columns.iter().zip(weights) {
+            row.add_row(b, column as usize, weight);
         }
     })
 }
