@@ -6,9 +6,9 @@ mod refinement;
 pub use refinement::{Operators, Refinement};
 
 use crate::cochain::{Cochain, Value};
-use crate::osd::{MAX_LEVELS, OsdError, Refiner, Tags};
+use crate::osd::{MAX_LEVELS, OsdError, OsdScheme, Refiner, Tags};
 use crate::scheme::{Scheme, SchemeError};
-use crate::topology::{Cage, Mesh, Split, SplitKind};
+use crate::topology::{Cage, Mesh, Split, SplitKind, TopologyError};
 
 /// A control cage refined a number of times, with the operators between the levels.
 ///
@@ -44,7 +44,7 @@ impl Level {
 }
 
 /// Why a hierarchy cannot be built.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the messages say what the fields are
 pub enum HierarchyError {
@@ -62,6 +62,12 @@ pub enum HierarchyError {
         "this OpenSubdiv numbers the children of level {level} in an order that formwork does not know: use version 3.5 or 3.6"
     )]
     UnknownNumbering { level: usize },
+    #[error(
+        "the refiner's scheme is {actual:?}, and this scheme of forms goes with {needed:?}: choose another"
+    )]
+    OtherScheme { actual: OsdScheme, needed: OsdScheme },
+    #[error(transparent)]
+    Cage(#[from] TopologyError),
     #[error(transparent)]
     Scheme(#[from] SchemeError),
     #[error(transparent)]
@@ -86,12 +92,40 @@ impl Hierarchy {
         cage: &Cage,
         scheme: Scheme,
         levels: usize,
-        mut progress: impl FnMut(usize),
+        progress: impl FnMut(usize),
     ) -> Result<Self, HierarchyError> {
         let (refiner, kind) = refiner(cage, scheme, levels)?;
+        Self::read(cage.clone(), scheme, kind, &refiner, levels, progress)
+    }
+
+    /// All levels of a refiner that somebody else made (see [`Refiner::borrow`]), in its own numbering. It is read
+    /// and not kept.
+    ///
+    /// # Errors
+    /// If its level 0 is not a [`Cage`], the scheme takes another scheme of OpenSubdiv or not this mesh, the
+    /// result would not fit memory, or OpenSubdiv fails.
+    pub fn from_refiner(refiner: &Refiner, scheme: Scheme) -> Result<Self, HierarchyError> {
+        let cage = Cage::new(refiner.descriptor()?)?;
+        let (kind, levels) = (scheme.split(&cage.descriptor().face_sizes)?, refiner.num_levels()?);
+        let (actual, needed) = (refiner.scheme()?, scheme.opensubdiv(kind));
+        if actual != needed {
+            return Err(HierarchyError::OtherScheme { actual, needed });
+        }
+        budget::check(&cage, kind, levels)?;
+        Self::read(cage, scheme, kind, refiner, levels, |_| ())
+    }
+
+    fn read(
+        cage: Cage,
+        scheme: Scheme,
+        kind: SplitKind,
+        refiner: &Refiner,
+        levels: usize,
+        mut progress: impl FnMut(usize),
+    ) -> Result<Self, HierarchyError> {
         let level = |l| Ok::<_, OsdError>(Level { mesh: refiner.mesh(l)?, tags: refiner.tags(l)? });
         let mut hierarchy =
-            Hierarchy { cage: cage.clone(), scheme, kind, levels: vec![level(0)?], refinements: Vec::new() };
+            Hierarchy { cage, scheme, kind, levels: vec![level(0)?], refinements: Vec::new() };
         progress(0);
         for l in 1..=levels {
             let (parent, child) = (hierarchy.finest().mesh(), level(l)?);
