@@ -61,7 +61,10 @@ pub fn run(program: &Path, prefix: &Path, arguments: &[&Path]) -> Output {
     folders.extend(std::env::var_os("OPENSUBDIV_ROOT").map(|root| Path::new(&root).join("lib")));
     folders.extend(std::env::var_os("LD_LIBRARY_PATH").iter().flat_map(std::env::split_paths));
     let path = std::env::join_paths(folders).unwrap();
-    Command::new(program).args(arguments).env("LD_LIBRARY_PATH", path).output().unwrap()
+    let mut command = Command::new(program);
+    command.args(arguments).env("LD_LIBRARY_PATH", path);
+    // Idle OpenMP threads would spin, in the way of the other tests.
+    command.env("OMP_WAIT_POLICY", "passive").output().unwrap()
 }
 
 /// The standard output of a program that must have succeeded.
