@@ -52,9 +52,9 @@ static PROGRAM: LazyLock<(PathBuf, PathBuf)> = LazyLock::new(|| {
     (program, prefix)
 });
 
-fn evaluate(argument: &Path) -> String {
+fn evaluate(arguments: &[&Path]) -> String {
     let (program, prefix) = &*PROGRAM;
-    expect(&run(program, prefix, &[argument]), "evaluate")
+    expect(&run(program, prefix, arguments), "evaluate")
 }
 
 /// OpenSubdiv's number of the scheme that a scheme of forms goes with.
@@ -172,19 +172,41 @@ fn expected(
     }
 }
 
-/// Has a mesh evaluated; returns the number of lines and the largest differences in single and double precision.
-fn compare(name: &str, d: &Descriptor, scheme: Scheme, levels: usize) -> (usize, [f64; 2]) {
-    let hierarchy = Hierarchy::new(&Cage::new(d.clone()).unwrap(), scheme, levels).unwrap();
-    let file = tempfile::NamedTempFile::new().unwrap();
-    fs::write(file.path(), write(d, scheme, &hierarchy)).unwrap();
-    let printed = evaluate(file.path());
-    let limits: Vec<_> = (0..=levels).map(|l| Limit::with_tangents(&hierarchy, l).unwrap()).collect();
+/// A mesh, the scheme of its forms, and a number of levels.
+struct Case(String, Descriptor, Scheme, usize);
+
+fn case(name: &str, d: Descriptor, scheme: Scheme, levels: usize) -> Case {
+    Case(name.to_owned(), d, scheme, levels)
+}
+
+/// Has meshes evaluated, by one process, and compares every number.
+fn compare(cases: &[Case]) {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut files, mut hierarchies) = (Vec::new(), Vec::new());
+    for (i, Case(_, d, scheme, levels)) in cases.iter().enumerate() {
+        let hierarchy = Hierarchy::new(&Cage::new(d.clone()).unwrap(), *scheme, *levels).unwrap();
+        files.push(folder.path().join(i.to_string()));
+        fs::write(&files[i], write(d, *scheme, &hierarchy)).unwrap();
+        hierarchies.push(hierarchy);
+    }
+    let files: Vec<&Path> = files.iter().map(PathBuf::as_path).collect();
+    let printed = evaluate(&files);
+    let printed: Vec<&str> = printed.split_terminator("end\n").collect();
+    assert_eq!(printed.len(), cases.len());
+    for ((Case(name, ..), hierarchy), printed) in cases.iter().zip(&hierarchies).zip(printed) {
+        compare_one(name, hierarchy, printed);
+    }
+}
+
+fn compare_one(name: &str, hierarchy: &Hierarchy, printed: &str) {
+    let levels = hierarchy.num_levels();
+    let limits: Vec<_> = (0..=levels).map(|l| Limit::with_tangents(hierarchy, l).unwrap()).collect();
     let mut worst = [0.0f64; 2];
     for line in printed.lines() {
         let words: Vec<&str> = line.split(' ').collect();
         let (title, values) = (words[..5].join(" "), &words[6..]);
         let values: Vec<f64> = values.iter().map(|word| word.parse().unwrap()).collect();
-        let expected = expected(&hierarchy, &limits, [words[0], words[2], words[3], words[4]]);
+        let expected = expected(hierarchy, &limits, [words[0], words[2], words[3], words[4]]);
         assert_eq!((values.len(), Ok(values.len())), (expected.len(), words[5].parse()), "{name}: {title}");
         let precise = usize::from(words[1].starts_with("double"));
         // Tangents have any length.
@@ -200,7 +222,6 @@ fn compare(name: &str, d: &Descriptor, scheme: Scheme, levels: usize) -> (usize,
     let refining = 3 * (8 * levels + levels * (levels + 1) / 2);
     assert_eq!(lines, refining + (3 * 2 + 2 * (3 + 3 + 3 + 2) + 1) * (levels + 1), "{name}");
     println!("{name}: {lines} results, largest differences {:.1e} single, {:.1e} double", worst[0], worst[1]);
-    (lines, worst)
 }
 
 fn crease(a: u32, b: u32, sharpness: f32) -> Crease {
@@ -219,66 +240,77 @@ fn quads_with_every_feature() {
     };
     use BoundaryInterpolation as B;
     let scheme = Scheme::default();
-    compare("uniform creases", &creased(CreasingMethod::Uniform, B::EdgeOnly), scheme, 2);
-    compare("chaikin creases", &creased(CreasingMethod::Chaikin, B::EdgeAndCorner), scheme, 2);
-    compare("no boundary", &creased(CreasingMethod::Uniform, B::None), scheme, 1);
-    compare("torus", &grid(4, 4, true), scheme, 3);
-    compare("left-handed", &Descriptor { left_handed: true, ..fan(&[4; 5]) }, scheme, 2);
+    compare(&[
+        case("uniform creases", creased(CreasingMethod::Uniform, B::EdgeOnly), scheme, 2),
+        case("chaikin creases", creased(CreasingMethod::Chaikin, B::EdgeAndCorner), scheme, 2),
+        case("no boundary", creased(CreasingMethod::Uniform, B::None), scheme, 1),
+        case("torus", grid(4, 4, true), scheme, 3),
+        case("left-handed", Descriptor { left_handed: true, ..fan(&[4; 5]) }, scheme, 2),
+    ]);
 }
 
 #[test]
 fn polygons_and_what_is_not_manifold() {
     let scheme = Scheme::default();
     let mixed = Descriptor { triangles: TriangleSubdivision::Smooth, ..fan(&[3, 4, 5, 6, 3]) };
-    compare("polygons", &mixed, scheme, 2);
-    compare("polygons, bilinear", &mixed, Scheme::Bilinear, 2);
-    compare("cut grid", &cut_grid(4, 3, true, &[0, 1, 2, 0, 1, 0, 2, 1, 0, 1, 1, 0]), scheme, 2);
     let page = |i: u32| vec![vec![0, 1, 4 + 3 * i, 3 + 3 * i], vec![1, 2, 5 + 3 * i, 4 + 3 * i]];
     let book = polygons(12, &(0..3).flat_map(page).collect::<Vec<_>>());
-    compare("book", &book, scheme, 1);
-    let isolated = Descriptor { num_vertices: 6, ..polygons(4, &[vec![0, 1, 2, 3]]) };
-    compare("isolated vertices", &isolated, scheme, 1);
+    compare(&[
+        case("polygons", mixed.clone(), scheme, 2),
+        case("polygons, bilinear", mixed, Scheme::Bilinear, 2),
+        case("cut grid", cut_grid(4, 3, true, &[0, 1, 2, 0, 1, 0, 2, 1, 0, 1, 1, 0]), scheme, 2),
+        case("book", book, scheme, 1),
+        case(
+            "isolated vertices",
+            Descriptor { num_vertices: 6, ..polygons(4, &[vec![0, 1, 2, 3]]) },
+            scheme,
+            1,
+        ),
+    ]);
 }
 
 #[test]
 fn triangles() {
     let scheme = Scheme::Loop(Variant::Loop, BoundaryRule::Reflect);
-    compare("closed fan", &triangle_fan(7, true), scheme, 2);
     let creased = Descriptor {
         creases: vec![crease(0, 1, 1.5), crease(0, 3, 10.0)],
         corners: vec![Corner { vertex: 2, sharpness: 2.0 }],
         ..triangle_fan(5, false)
     };
-    compare("creased fan", &creased, scheme, 2);
-    compare("level 0 alone", &triangle_fan(6, true), scheme, 0);
+    compare(&[
+        case("closed fan", triangle_fan(7, true), scheme, 2),
+        case("creased fan", creased, scheme, 2),
+        case("level 0 alone", triangle_fan(6, true), scheme, 0),
+    ]);
 }
 
 #[test]
 fn a_mesh_of_production() {
     let asset = formwork::io::obj::read(&common::root().join("assets/creased_box.obj")).unwrap();
-    compare("creased_box", asset.cage().unwrap().descriptor(), Scheme::default(), 2);
+    let cage = asset.cage().unwrap();
+    compare(&[case("creased_box", cage.descriptor().clone(), Scheme::default(), 2)]);
 }
 
 #[test]
 fn opensubdivs_shapes() {
     let loop_ = Scheme::Loop(Variant::Loop, BoundaryRule::Reflect);
-    let mut compared = 0;
+    let mut cases = Vec::new();
     for (name, scheme) in [("catmark", Scheme::default()), ("loop", loop_), ("bilinear", Scheme::Bilinear)] {
         for shape in shapes::shapes(name).into_iter().flatten() {
             let d = shape.descriptor();
             // The larger shapes print a lot and hold no more features. A few repeat a vertex in a face.
-            if d.face_sizes.len() <= 30 && Cage::new(d.clone()).is_ok() {
-                compare(&shape.name, &d, scheme, 1);
-                compared += 1;
+            if d.face_sizes.len() <= 100 && Cage::new(d.clone()).is_ok() {
+                cases.push(case(&shape.name, d, scheme, 1));
             }
         }
     }
-    println!("{compared} shapes compared");
+    compare(&cases);
+    println!("{} shapes compared", cases.len());
 }
 
 #[test]
 fn misuse_is_an_exception_with_the_message() {
-    let printed = evaluate(Path::new("--errors"));
+    let printed = evaluate(&[Path::new("--errors")]);
     let expected = include_str!("cpp/errors.txt");
     for (printed, expected) in printed.lines().zip(expected.lines()) {
         assert_eq!(printed, expected);

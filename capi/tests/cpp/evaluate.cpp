@@ -1,7 +1,7 @@
 // Evaluates forms on a mesh with OpenSubdiv's own evaluators, from tables that Formwork made of a refiner that this
 // program owns, and prints the results for the test that runs it (capi/tests/programs.rs).
 //
-//   evaluate MESH       every table of the mesh in a file
+//   evaluate MESH..     every table of the mesh in each file; a line `end` after each
 //   evaluate --errors   the message of every misuse
 #include <cstdio>
 #include <cstring>
@@ -409,21 +409,20 @@ Errors() {
 }
 
 int main(int argc, char **argv) {
-    if (argc != 2) {
-        std::fprintf(stderr, "usage: evaluate MESH | --errors\n");
-        return 2;
-    }
-    if (!std::strcmp(argv[1], "--errors")) {
+    if (argc == 2 && !std::strcmp(argv[1], "--errors")) {
         Errors();
         return 0;
     }
-    Mesh mesh = ReadMesh(argv[1]);
-    FormRefiner forms(*MakeRefiner(mesh));
-    for (int degree = 0; degree < 3; ++degree) {
-        Refine(forms, mesh, degree);
-        Limits(forms, mesh, degree);
+    for (int i = 1; i < argc; ++i) {
+        Mesh mesh = ReadMesh(argv[i]);
+        FormRefiner forms(*MakeRefiner(mesh));
+        for (int degree = 0; degree < 3; ++degree) {
+            Refine(forms, mesh, degree);
+            Limits(forms, mesh, degree);
+        }
+        Points(forms, mesh);
+        Signs(forms);
+        std::printf("end\n");
     }
-    Points(forms, mesh);
-    Signs(forms);
     return 0;
 }
