@@ -101,7 +101,7 @@ pub unsafe extern "C" fn formwork_hierarchy_finest_level(
 ) -> FormworkStatus {
     guard(|| {
         let hierarchy = unsafe { hierarchy.as_ref() }.ok_or_else(|| null("hierarchy"))?;
-        unsafe { write(out, hierarchy.0.num_levels() as i32) }
+        unsafe { write(out, hierarchy.levels().num_levels() as i32) }
     })
 }
 
@@ -117,7 +117,7 @@ pub unsafe extern "C" fn formwork_hierarchy_counts(
 ) -> FormworkStatus {
     guard(|| {
         let hierarchy = unsafe { hierarchy.as_ref() }.ok_or_else(|| null("hierarchy"))?;
-        let mesh = hierarchy.0.level(hierarchy.level(level)?).mesh();
+        let mesh = hierarchy.levels().level(hierarchy.level(level)?).mesh();
         let counts = FormworkCounts {
             vertices: mesh.num_vertices() as u32,
             edges: mesh.num_edges() as u32,
@@ -147,7 +147,7 @@ pub unsafe extern "C" fn formwork_hierarchy_topology(
 ) -> FormworkStatus {
     guard(|| {
         let hierarchy = unsafe { hierarchy.as_ref() }.ok_or_else(|| null("hierarchy"))?;
-        let mesh = hierarchy.0.level(hierarchy.level(level)?).mesh();
+        let mesh = hierarchy.levels().level(hierarchy.level(level)?).mesh();
         let half_edges = || (0..mesh.num_corners() as u32).map(|c| mesh.corner_half_edge(c));
         unsafe {
             fill(edge_vertices, mesh.edges().as_flattened().iter().copied());

@@ -1,6 +1,9 @@
 //! A hierarchy behind a handle, and what its schemes and options are called in numbers.
 
+use std::sync::OnceLock;
+
 use formwork::hierarchy::Hierarchy;
+use formwork::limit::{Limit, LimitTangents};
 use formwork::osd::{OsdScheme, Refiner};
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, Cage, CreasingMethod, Descriptor, TriangleSubdivision};
@@ -61,9 +64,32 @@ impl FormworkOptions {
 }
 
 /// A refined mesh with its operators.
-pub struct FormworkHierarchy(pub Hierarchy);
+pub struct FormworkHierarchy {
+    levels: Hierarchy,
+    /// The limits of each level, once they have been asked for.
+    limits: Vec<OnceLock<(Limit, LimitTangents)>>,
+}
 
 impl FormworkHierarchy {
+    fn new(levels: Hierarchy) -> Self {
+        let limits = (0..=levels.num_levels()).map(|_| OnceLock::new()).collect();
+        FormworkHierarchy { levels, limits }
+    }
+
+    /// The levels.
+    pub fn levels(&self) -> &Hierarchy {
+        &self.levels
+    }
+
+    /// The limit of a level. Several tables need it, and it takes longer than any of them.
+    pub fn limit(&self, level: usize) -> Result<&(Limit, LimitTangents), Invalid> {
+        if let Some(known) = self.limits[level].get() {
+            return Ok(known);
+        }
+        let found = Limit::with_tangents(&self.levels, level)?;
+        Ok(self.limits[level].get_or_init(|| found))
+    }
+
     /// Of a refiner that OpenSubdiv refined, by the forms that go with its scheme.
     pub fn of_refiner(refiner: &Refiner, options: FormworkOptions) -> Result<Self, Invalid> {
         let scheme = match refiner.scheme()? {
@@ -71,7 +97,7 @@ impl FormworkHierarchy {
             OsdScheme::Catmark => FORMWORK_SCHEME_CATMARK,
             OsdScheme::Loop => FORMWORK_SCHEME_LOOP,
         };
-        Ok(FormworkHierarchy(Hierarchy::from_refiner(refiner, options.scheme(scheme)?)?))
+        Ok(Self::new(Hierarchy::from_refiner(refiner, options.scheme(scheme)?)?))
     }
 
     /// Of a cage.
@@ -84,12 +110,12 @@ impl FormworkHierarchy {
         let (cage, scheme) = (Cage::new(descriptor)?, options.scheme(scheme)?);
         let levels =
             usize::try_from(levels).map_err(|_| Invalid(format!("{levels} levels: use 0 or more")))?;
-        Ok(FormworkHierarchy(Hierarchy::new(&cage, scheme, levels)?))
+        Ok(Self::new(Hierarchy::new(&cage, scheme, levels)?))
     }
 
     /// `level`, if there is such a level.
     pub fn level(&self, level: i32) -> Result<usize, Invalid> {
-        let finest = self.0.num_levels();
+        let finest = self.levels.num_levels();
         let found = usize::try_from(level).ok().filter(|&level| level <= finest);
         found.ok_or_else(|| Invalid(format!("there is no level {level}: the finest is {finest}")))
     }

@@ -1,7 +1,7 @@
 //! Operators as the tables that stencil evaluators take: sizes, indices and weights of row after row.
 
 use formwork::hierarchy::Hierarchy;
-use formwork::limit::{Limit, LimitTangents};
+use formwork::limit::LimitTangents;
 use formwork::sparse::{Csr, assemble, multiply, row_of};
 use formwork::topology::Mesh;
 
@@ -41,7 +41,7 @@ impl FormworkStencils {
                 "stencils from level {from} to level {to}: the second must be the finer"
             )));
         }
-        let hierarchy = &hierarchy.0;
+        let hierarchy = hierarchy.levels();
         let mut product = step(hierarchy, degree, from + 1);
         let mut parts = Vec::new();
         for level in from + 2..=to {
@@ -60,8 +60,9 @@ impl FormworkStencils {
     pub fn limits(hierarchy: &FormworkHierarchy, degree: i32, levels: [i32; 2]) -> Result<Self, Invalid> {
         let [from, level] = from_to(hierarchy, levels)?;
         let degree = check_degree(degree, 2)?;
-        let hierarchy = &hierarchy.0;
-        let operators = Limit::new(hierarchy, level)?.operators(hierarchy.level(level).mesh());
+        let (limit, _) = hierarchy.limit(level)?;
+        let hierarchy = hierarchy.levels();
+        let operators = limit.operators(hierarchy.level(level).mesh());
         let limit = match degree {
             0 => operators.l0,
             1 => operators.l1,
@@ -80,10 +81,10 @@ impl FormworkStencils {
     ) -> Result<Self, Invalid> {
         let [from, level] = from_to(hierarchy, levels)?;
         let degree = check_degree(degree, 1)?;
-        let hierarchy = &hierarchy.0;
+        let (limit, tangents) = hierarchy.limit(level)?;
+        let hierarchy = hierarchy.levels();
         let mesh = hierarchy.level(level).mesh();
-        let (limit, tangents) = Limit::with_tangents(hierarchy, level)?;
-        let points = points(mesh, &tangents, place)?;
+        let points = points(mesh, tangents, place)?;
         let of_tangent = |row: usize, add: &mut dyn FnMut(u32, f64)| {
             if let Some(pair) = points[row / 2].pair {
                 let (edges, weights) = row_of(tangents.rows(), 2 * pair + row % 2);
