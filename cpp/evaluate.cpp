@@ -24,6 +24,36 @@ std::unique_ptr<FloatStencilTable> float_stencil_table(Refiner const &refiner) {
     return std::make_unique<FloatStencilTable>(std::move(table));
 }
 
+namespace {
+
+// OpenSubdiv lets derived classes fill a table.
+struct FilledTable : Far::StencilTable {
+    FilledTable(int columns, rust::Slice<const std::uint64_t> row_ends, rust::Slice<const std::uint32_t> indices,
+                rust::Slice<const double> weights)
+        : Far::StencilTable(columns) {
+        _indices.assign(indices.begin(), indices.end());
+        _weights.assign(weights.begin(), weights.end());
+        std::uint64_t begin = 0;
+        for (std::uint64_t end : row_ends) {
+            _sizes.push_back(static_cast<int>(end - begin));
+            begin = end;
+        }
+        generateOffsets();
+    }
+};
+
+} // namespace
+
+std::unique_ptr<FloatStencilTable> float_table_of(std::uint32_t columns, rust::Slice<const std::uint64_t> row_ends,
+                                                  rust::Slice<const std::uint32_t> indices,
+                                                  rust::Slice<const double> weights) {
+    if (indices.size() != weights.size() || (row_ends.size() && row_ends[row_ends.size() - 1] != indices.size())) {
+        throw std::runtime_error("arrays that are no sparse rows");
+    }
+    return std::make_unique<FloatStencilTable>(
+        std::make_unique<FilledTable>(static_cast<int>(columns), row_ends, indices, weights));
+}
+
 FloatStencilTable::FloatStencilTable(std::unique_ptr<Far::StencilTable const> table)
     : table_(std::move(table)) {}
 

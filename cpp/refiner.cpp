@@ -154,16 +154,37 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
                 MaskArrays &out) {
     Sdc::Scheme<SCHEME> scheme(options);
     Sdc::Crease crease(options);
+    // Through plain pointers: indexing a slice is a call.
+    double *vertex_self = out.vertex_self.data(), *vertex_edge = out.vertex_edge.data(),
+           *vertex_face = out.vertex_face.data(), *edge_end = out.edge_end.data(), *edge_face = out.edge_face.data(),
+           *parent_weight = out.parent_weight.data();
+    std::uint8_t *parent_rules = out.parent_rule.data(), *child_rules = out.child_rule.data(),
+                 *child_sharp = out.child_sharp.data();
 
     std::vector<int> first_corner(parent.GetNumFaces() + 1, 0);
     for (int f = 0; f < parent.GetNumFaces(); ++f) {
         first_corner[f + 1] = first_corner[f] + parent.GetFaceVertices(f).size();
     }
 
+    // The mask of a smooth edge between two faces is the same everywhere, but next to triangles if those are
+    // smoothed; OpenSubdiv is asked once.
+    bool all_alike = options.GetTriangleSubdivision() != Sdc::Options::TRI_SUB_SMOOTH;
+    bool known = false;
+    double smooth[4] = {};
+
     std::vector<double> faces;
     for (int e = 0; e < parent.GetNumEdges(); ++e) {
         Far::ConstIndexArray edge_faces = parent.GetEdgeFaces(e);
         Far::ConstLocalIndexArray places = parent.GetEdgeFaceLocalIndices(e);
+        bool is_smooth = all_alike && edge_faces.size() == 2 && parent.GetEdgeSharpness(e) == 0.0f;
+        auto corner = [&](int i) { return first_corner[edge_faces[i]] + places[i]; };
+        if (is_smooth && known) {
+            edge_end[2 * e] = smooth[0];
+            edge_end[2 * e + 1] = smooth[1];
+            edge_face[corner(0)] = smooth[2];
+            edge_face[corner(1)] = smooth[3];
+            continue;
+        }
         faces.assign(edge_faces.size(), 0.0);
         double ends[2];
         Mask mask(ends, nullptr, faces.data());
@@ -171,12 +192,27 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
             parent.GetEdgeSharpness(e) > 0.0f ? Sdc::Crease::RULE_CREASE : Sdc::Crease::RULE_SMOOTH;
         scheme.ComputeEdgeVertexMask(EdgeNeighbourhood{parent, e}, mask, rule,
                                      child.GetVertexRule(parent.GetEdgeChildVertex(e)));
-        out.edge_end[2 * e] = ends[0];
-        out.edge_end[2 * e + 1] = ends[1];
+        edge_end[2 * e] = ends[0];
+        edge_end[2 * e + 1] = ends[1];
         for (int i = 0; i < edge_faces.size(); ++i) {
-            out.edge_face[first_corner[edge_faces[i]] + places[i]] = mask.num_faces ? faces[i] : 0.0;
+            edge_face[corner(i)] = mask.num_faces ? faces[i] : 0.0;
+        }
+        if (is_smooth) {
+            known = true;
+            smooth[0] = ends[0];
+            smooth[1] = ends[1];
+            smooth[2] = edge_face[corner(0)];
+            smooth[3] = edge_face[corner(1)];
         }
     }
+
+    // The mask of a smooth vertex depends on its valence only, and gives all edges and all faces the same weight;
+    // OpenSubdiv is asked once for each valence.
+    struct SmoothMask {
+        bool known = false;
+        double self, edge, face;
+    };
+    std::vector<SmoothMask> smooth_masks;
 
     std::vector<double> edges;
     std::vector<float> sharpness, child_sharpness;
@@ -186,6 +222,35 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
         Far::ConstIndexArray vertex_faces = parent.GetVertexFaces(v);
         Far::ConstLocalIndexArray edge_places = parent.GetVertexEdgeLocalIndices(v);
         Far::ConstLocalIndexArray face_places = parent.GetVertexFaceLocalIndices(v);
+        Sdc::Crease::Rule parent_rule = parent.GetVertexRule(v);
+        bool is_smooth = parent_rule == Sdc::Crease::RULE_SMOOTH && vertex_edges.size() > 0 &&
+                         vertex_faces.size() == vertex_edges.size();
+        if (is_smooth) {
+            std::size_t valence = static_cast<std::size_t>(vertex_edges.size());
+            if (smooth_masks.size() <= valence) {
+                smooth_masks.resize(valence + 1);
+            }
+            SmoothMask &mask = smooth_masks[valence];
+            if (!mask.known) {
+                edges.assign(valence, 0.0);
+                faces.assign(valence, 0.0);
+                Mask asked(&mask.self, edges.data(), faces.data());
+                scheme.ComputeVertexVertexMask(hood, asked, parent_rule, parent_rule);
+                mask.edge = asked.num_edges ? edges[0] : 0.0;
+                mask.face = asked.num_faces ? faces[0] : 0.0;
+                mask.known = true;
+            }
+            vertex_self[v] = mask.self;
+            parent_rules[v] = rule_number(parent_rule);
+            child_rules[v] = rule_number(child.GetVertexRule(parent.GetVertexChildVertex(v)));
+            parent_weight[v] = 1.0;
+            for (int i = 0; i < vertex_edges.size(); ++i) {
+                vertex_edge[2 * vertex_edges[i] + edge_places[i]] = mask.edge;
+                child_sharp[2 * vertex_edges[i] + edge_places[i]] = false;
+                vertex_face[first_corner[vertex_faces[i]] + face_places[i]] = mask.face;
+            }
+            continue;
+        }
         // OpenSubdiv's masks write as many weights of either kind as there are faces, or edges.
         int most = std::max(vertex_faces.size(), vertex_edges.size());
         edges.assign(most, 0.0);
@@ -193,17 +258,16 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
         sharpness.resize(vertex_edges.size());
         child_sharpness.resize(vertex_edges.size());
 
-        Sdc::Crease::Rule parent_rule = parent.GetVertexRule(v);
         Sdc::Crease::Rule child_rule = child.GetVertexRule(parent.GetVertexChildVertex(v));
-        Mask mask(&out.vertex_self[v], edges.data(), faces.data());
+        Mask mask(&vertex_self[v], edges.data(), faces.data());
         scheme.ComputeVertexVertexMask(hood, mask, parent_rule, child_rule);
 
         hood.GetSharpnessPerEdge(sharpness.data());
         hood.GetChildSharpnessPerEdge(crease, child_sharpness.data());
-        out.parent_rule[v] = rule_number(parent_rule);
-        out.child_rule[v] = rule_number(child_rule);
+        parent_rules[v] = rule_number(parent_rule);
+        child_rules[v] = rule_number(child_rule);
         bool parent_smooth = parent_rule == Sdc::Crease::RULE_SMOOTH || parent_rule == Sdc::Crease::RULE_DART;
-        out.parent_weight[v] =
+        parent_weight[v] =
             parent_smooth || parent_rule == child_rule
                 ? 1.0
                 : crease.ComputeFractionalWeightAtVertex(hood.GetSharpness(), hood.GetChildSharpness(crease),
@@ -211,12 +275,12 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
                                                          child_sharpness.data());
         for (int i = 0; i < vertex_edges.size(); ++i) {
             int half_edge = 2 * vertex_edges[i] + edge_places[i];
-            out.vertex_edge[half_edge] = mask.num_edges ? edges[i] : 0.0;
-            out.child_sharp[half_edge] = child_sharpness[i] > 0.0f;
+            vertex_edge[half_edge] = mask.num_edges ? edges[i] : 0.0;
+            child_sharp[half_edge] = child_sharpness[i] > 0.0f;
         }
         for (int i = 0; i < vertex_faces.size(); ++i) {
             int corner = first_corner[vertex_faces[i]] + face_places[i];
-            out.vertex_face[corner] = mask.num_faces ? faces[i] : 0.0;
+            vertex_face[corner] = mask.num_faces ? faces[i] : 0.0;
         }
     }
 }
@@ -377,12 +441,11 @@ Description Refiner::description() const {
     out.triangles = options.GetTriangleSubdivision() == Sdc::Options::TRI_SUB_SMOOTH;
     out.levels = static_cast<std::uint32_t>(refiner_->GetMaxLevel());
     out.uniform = refiner_->IsUniform();
-    out.full_topology = !refined || uniform.fullTopologyInLastLevel;
     out.faces_first = refined && uniform.orderVerticesFromFacesFirst;
     return out;
 }
 
-void Refiner::refine_uniform(std::uint32_t levels) {
+void Refiner::refine_uniform(std::uint32_t levels, bool full_last_level) {
     if (!owned_) {
         throw std::runtime_error("this refiner is its owner's to refine");
     }
@@ -393,7 +456,7 @@ void Refiner::refine_uniform(std::uint32_t levels) {
         throw std::runtime_error("this refiner has been refined already");
     }
     Far::TopologyRefiner::UniformOptions options(static_cast<int>(levels));
-    options.fullTopologyInLastLevel = true;
+    options.fullTopologyInLastLevel = full_last_level;
     owned_->RefineUniform(options);
 }
 
@@ -404,6 +467,11 @@ Far::TopologyLevel Refiner::level(std::uint32_t level, bool with_child) const {
                                  " levels" + (with_child ? " has no children" : ""));
     }
     return refiner_->GetLevel(static_cast<int>(level));
+}
+
+bool Refiner::has_edges(std::uint32_t l) const {
+    return static_cast<int>(l) < refiner_->GetMaxLevel() || l == 0 ||
+           refiner_->GetUniformOptions().fullTopologyInLastLevel;
 }
 
 Counts Refiner::counts(std::uint32_t l) const {
@@ -420,9 +488,13 @@ void Refiner::topology(std::uint32_t l, TopologyArrays out) const {
     check_length(out.face_vertices, n.corners, "face vertices");
     check_length(out.face_edges, n.corners, "face edges");
     check_length(out.edge_vertices, 2 * n.edges, "edge vertices");
+    if (!has_edges(l)) {
+        throw std::runtime_error("level " + std::to_string(l) + " was refined without its edges");
+    }
     std::uint32_t *vertices = out.face_vertices.data(), *edges = out.face_edges.data();
+    std::uint32_t *sizes = out.face_sizes.data();
     for (int f = 0; f < at.GetNumFaces(); ++f) {
-        out.face_sizes[f] = static_cast<std::uint32_t>(at.GetFaceVertices(f).size());
+        sizes[f] = static_cast<std::uint32_t>(at.GetFaceVertices(f).size());
         vertices = append(at.GetFaceVertices(f), vertices);
         edges = append(at.GetFaceEdges(f), edges);
     }
@@ -439,15 +511,18 @@ void Refiner::tags(std::uint32_t l, TagArrays out) const {
     check_length(out.vertex_sharpness, n.vertices, "vertex sharpness");
     check_length(out.vertex_rule, n.vertices, "vertex rules");
     check_length(out.face_hole, n.faces, "face holes");
+    // Through plain pointers: indexing a slice is a call.
+    float *edge_sharpness = out.edge_sharpness.data(), *vertex_sharpness = out.vertex_sharpness.data();
+    std::uint8_t *vertex_rule = out.vertex_rule.data(), *face_hole = out.face_hole.data();
     for (int e = 0; e < at.GetNumEdges(); ++e) {
-        out.edge_sharpness[e] = at.GetEdgeSharpness(e);
+        edge_sharpness[e] = at.GetEdgeSharpness(e);
     }
     for (int v = 0; v < at.GetNumVertices(); ++v) {
-        out.vertex_sharpness[v] = at.GetVertexSharpness(v);
-        out.vertex_rule[v] = rule_number(at.GetVertexRule(v));
+        vertex_sharpness[v] = at.GetVertexSharpness(v);
+        vertex_rule[v] = rule_number(at.GetVertexRule(v));
     }
     for (int f = 0; f < at.GetNumFaces(); ++f) {
-        out.face_hole[f] = at.IsFaceHole(f);
+        face_hole[f] = at.IsFaceHole(f);
     }
 }
 
@@ -501,6 +576,65 @@ void Refiner::children(std::uint32_t l, ChildArrays out) const {
     }
 }
 
+bool Refiner::numbers_children_in_order(std::uint32_t l, bool centres) const {
+    Far::TopologyLevel at = level(l, true), below = level(l + 1, false);
+    int vertices = at.GetNumVertices(), faces = at.GetNumFaces(), edges = at.GetNumEdges();
+    int corners = at.GetNumFaceVertices();
+    int first_midpoint = vertices + (centres ? faces : 0);
+    bool directed = has_edges(l + 1);
+    auto runs = [&](int edge, int from, int to) {
+        Far::ConstIndexArray ends = below.GetEdgeVertices(edge);
+        return ends[0] == from && ends[1] == to;
+    };
+    if (below.GetNumVertices() != first_midpoint + edges || below.GetNumEdges() != corners + 2 * edges ||
+        below.GetNumFaces() != (centres ? corners : 4 * faces)) {
+        return false;
+    }
+    for (int v = 0; v < vertices; ++v) {
+        if (at.GetVertexChildVertex(v) != v) {
+            return false;
+        }
+    }
+    for (int e = 0; e < edges; ++e) {
+        Far::ConstIndexArray halves = at.GetEdgeChildEdges(e), ends = at.GetEdgeVertices(e);
+        int middle = first_midpoint + e;
+        for (int j = 0; j < 2; ++j) {
+            int half = corners + 2 * e + j;
+            if (at.GetEdgeChildVertex(e) != middle || halves[j] != half ||
+                (directed && !runs(half, middle, ends[j]))) {
+                return false;
+            }
+        }
+    }
+    int corner = 0, child = 0;
+    for (int f = 0; f < faces; ++f) {
+        Far::ConstIndexArray inside = at.GetFaceChildEdges(f), children = at.GetFaceChildFaces(f);
+        Far::ConstIndexArray boundary = at.GetFaceEdges(f), around = at.GetFaceVertices(f);
+        if (centres && at.GetFaceChildVertex(f) != vertices + f) {
+            return false;
+        }
+        for (int i = 0; i < children.size(); ++i, ++child) {
+            if (children[i] != child) {
+                return false;
+            }
+            int place = around.size() == 4 || !centres ? i : 0;
+            bool at_corner = i < around.size();
+            if (at_corner && below.GetFaceVertices(child)[place] != around[i]) {
+                return false;
+            }
+        }
+        for (int i = 0; i < inside.size(); ++i, ++corner) {
+            int leaving = first_midpoint + boundary[i];
+            int reaching = first_midpoint + boundary[(i + inside.size() - 1) % inside.size()];
+            if (inside[i] != corner ||
+                (directed && !(centres ? runs(corner, vertices + f, leaving) : runs(corner, leaving, reaching)))) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
 Stencils Refiner::stencils(std::uint32_t l) const {
     if (l == 0) {
         throw std::runtime_error("level 0 is not refined from anything");
@@ -545,6 +679,20 @@ Stencils Refiner::limit_stencils(std::uint8_t which) const {
     case Sdc::SCHEME_LOOP: return limit_rows<Sdc::SCHEME_LOOP>(options, at, which);
     }
     fail("OpenSubdiv has a scheme that is not known here");
+}
+
+std::size_t Refiner::per_level_tables() const {
+    typedef Far::StencilTableFactoryReal<double> Factory;
+    Factory::Options options;
+    options.generateIntermediateLevels = true;
+    options.factorizeIntermediateLevels = false;
+    options.generateOffsets = true;
+    options.maxLevel = refiner_->GetMaxLevel();
+    std::unique_ptr<Far::StencilTableReal<double> const> table(Factory::Create(*refiner_, options));
+    if (!table) {
+        fail("OpenSubdiv made no stencil table");
+    }
+    return table->GetControlIndices().size();
 }
 
 void Refiner::interpolate(std::uint32_t l, rust::Slice<const double> source, rust::Slice<double> out) const {

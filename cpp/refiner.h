@@ -35,7 +35,8 @@ public:
     // or reads that of a caller, which outlives this.
     explicit Refiner(FarRefiner const &refiner);
 
-    void refine_uniform(std::uint32_t levels);
+    // With edges and vertex rings on the finest level, or with what refining values needs.
+    void refine_uniform(std::uint32_t levels, bool full_last_level);
 
     // The scheme, its options, and how the refiner was refined.
     Description description() const;
@@ -45,9 +46,15 @@ public:
     void tags(std::uint32_t level, TagArrays out) const;
     void masks(std::uint32_t level, MaskArrays out) const;
     void children(std::uint32_t level, ChildArrays out) const;
+    // Whether the children of a level are numbered, and directed as far as the next level knows its edges, by
+    // the rule of formwork::topology::Split. `centres` says whether faces have child vertices.
+    bool numbers_children_in_order(std::uint32_t level, bool centres) const;
 
     // OpenSubdiv's own S0 from level - 1 to level, as its stencil table has it.
     Stencils stencils(std::uint32_t level) const;
+    // Builds OpenSubdiv's S0 of all levels, each from the level before, and drops it: the yardstick of the
+    // benchmarks. The number of entries.
+    std::size_t per_level_tables() const;
     // Limit masks on the finest level: 0 position, 1 and 2 the tangents.
     Stencils limit_stencils(std::uint8_t which) const;
     // One value a vertex, from level - 1 to level, by OpenSubdiv's primvar refiner.
@@ -57,6 +64,8 @@ public:
 
 private:
     OpenSubdiv::Far::TopologyLevel level(std::uint32_t level, bool with_child) const;
+    // Whether a level has more than what refining values needs: asking for edges where there are none crashes.
+    bool has_edges(std::uint32_t level) const;
 
     std::unique_ptr<FarRefiner> owned_; // null if the refiner is a caller's
     FarRefiner const *refiner_;
@@ -81,5 +90,9 @@ private:
 };
 
 std::unique_ptr<FloatStencilTable> float_stencil_table(Refiner const &refiner);
+// The same of any rows; row i ends at row_ends[i].
+std::unique_ptr<FloatStencilTable> float_table_of(std::uint32_t columns, rust::Slice<const std::uint64_t> row_ends,
+                                                  rust::Slice<const std::uint32_t> indices,
+                                                  rust::Slice<const double> weights);
 
 } // namespace formwork

@@ -4,8 +4,7 @@ use std::ops::{Index, IndexMut};
 
 use rayon::prelude::*;
 
-pub use crate::sparse::Value;
-use crate::sparse::zero;
+pub use crate::sparse::{Quantity, Value};
 use crate::topology::{HalfEdge, Mesh};
 
 /// A `K`-cochain: values on vertices (`K = 0`), oriented edges (`K = 1`) or oriented faces (`K = 2`).
@@ -35,6 +34,11 @@ impl<const K: usize, T> Cochain<K, T> {
     /// The values.
     pub fn values(&self) -> &[T] {
         &self.values
+    }
+
+    /// The values, and room for others.
+    pub(crate) fn values_mut(&mut self) -> &mut Vec<T> {
+        &mut self.values
     }
 
     /// The values, out of the cochain.
@@ -73,7 +77,7 @@ impl<const K: usize, T> IndexMut<usize> for Cochain<K, T> {
     }
 }
 
-impl<const K: usize, T: Value> std::ops::Add for Cochain<K, T> {
+impl<const K: usize, T: Quantity> std::ops::Add for Cochain<K, T> {
     type Output = Self;
     /// # Panics
     /// If the lengths differ.
@@ -86,17 +90,17 @@ impl<const K: usize, T: Value> std::ops::Add for Cochain<K, T> {
     }
 }
 
-impl<const K: usize, T: Value> std::ops::Mul<f64> for Cochain<K, T> {
+impl<const K: usize, T: Quantity> std::ops::Mul<f64> for Cochain<K, T> {
     type Output = Self;
     fn mul(mut self, factor: f64) -> Self {
         for x in &mut self.values {
-            *x = *x * factor;
+            *x = x.scale(factor);
         }
         self
     }
 }
 
-impl<T: Value> Cochain<0, T> {
+impl<T: Quantity> Cochain<0, T> {
     /// The exterior derivative `d0 x`: `(d0 x)(a -> b) = x_b - x_a`.
     ///
     /// # Panics
@@ -108,7 +112,7 @@ impl<T: Value> Cochain<0, T> {
     }
 }
 
-impl<T: Value> Cochain<1, T> {
+impl<T: Quantity> Cochain<1, T> {
     /// The value along a half-edge: `c_ab` for `a -> b`, and `c_ba = -c_ab`.
     #[inline]
     pub fn along(&self, h: HalfEdge) -> T {
@@ -127,13 +131,12 @@ impl<T: Value> Cochain<1, T> {
 
 /// `c_h`, the entry of a 1-cochain along a half-edge.
 #[inline]
-pub(crate) fn along<T: Value>(c: &[T], h: HalfEdge) -> T {
-    c[h.edge() as usize] * h.sign()
+pub(crate) fn along<T: Quantity>(c: &[T], h: HalfEdge) -> T {
+    c[h.edge() as usize].negate_if(h.index() & 1 == 1)
 }
 
 /// `d1 c`.
-pub(crate) fn d1<T: Value>(mesh: &Mesh, c: &[T]) -> Vec<T> {
-    let zero = zero(c);
-    let round = |f| mesh.face_half_edges(f).iter().fold(zero, |sum, &h| sum + along(c, h));
+pub(crate) fn d1<T: Quantity>(mesh: &Mesh, c: &[T]) -> Vec<T> {
+    let round = |f| mesh.face_half_edges(f).iter().fold(T::zero(), |sum, &h| sum + along(c, h));
     (0..mesh.num_faces() as u32).into_par_iter().map(round).collect()
 }

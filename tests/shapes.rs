@@ -95,6 +95,11 @@ fn assert_numbering(shape: &Shape, scheme: Scheme) {
     let kind = hierarchy.refinement(1).split().kind();
     let mut refiner = Refiner::new(&cage, scheme.opensubdiv(kind)).unwrap();
     refiner.refine_uniform(2).unwrap();
+    for level in 0..=2 {
+        // We refine complexes and decay tags by rule; OpenSubdiv has every array alike.
+        assert!(*hierarchy.level(level).mesh() == refiner.mesh(level).unwrap(), "{name}: level {level}");
+        assert!(*hierarchy.level(level).tags() == refiner.tags(level).unwrap(), "{name}: level {level}");
+    }
     for level in 0..2 {
         let mesh = hierarchy.level(level).mesh();
         let split = hierarchy.refinement(level + 1).split();

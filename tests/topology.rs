@@ -61,7 +61,7 @@ proptest! {
 
 #[test]
 fn arrays_that_are_no_complex_are_refused() {
-    let quad = |edges: &[u32], ends: Vec<[u32; 2]>| Mesh::from_arrays(3, &[3], vec![0, 1, 2], edges, ends);
+    let quad = |edges: &[u32], ends: Vec<[u32; 2]>| Mesh::from_arrays(3, &[3], &[0, 1, 2], edges, ends);
     let ends = vec![[0, 1], [2, 1], [2, 0]];
     assert!(quad(&[0, 1, 2], ends.clone()).is_ok());
     assert!(quad(&[0, 2, 1], ends.clone()).is_err());

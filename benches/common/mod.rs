@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 #[path = "../../tests/common/meshes.rs"]
 pub mod meshes;
+pub mod surfaces;
 
 pub const RUNS: usize = 5;
 
@@ -42,4 +43,11 @@ impl Random {
     pub fn unit(&mut self) -> f64 {
         f64::from(self.below(1 << 24)) / f64::from(1 << 24)
     }
+}
+
+/// The most memory that this process has held.
+pub fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().trim_end_matches("kB").trim().parse::<u64>().ok().map(|kib| kib << 10)
 }

@@ -187,11 +187,11 @@ fn points(mesh: &Mesh, tangents: &LimitTangents, place: u32) -> Result<Vec<Point
 }
 
 fn step(hierarchy: &Hierarchy, degree: usize, level: usize) -> Csr {
-    let operators = hierarchy.operators(level);
+    let (refinement, parent) = (hierarchy.refinement(level), hierarchy.level(level - 1).mesh());
     match degree {
-        0 => operators.s0,
-        1 => operators.s1,
-        _ => operators.s2,
+        0 => refinement.s0(parent),
+        1 => refinement.s1(parent),
+        _ => refinement.s2(parent),
     }
 }
 

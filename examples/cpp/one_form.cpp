@@ -52,7 +52,7 @@ int main() {
     typedef Far::TopologyRefinerFactory<Far::TopologyDescriptor> Factory;
     std::unique_ptr<Far::TopologyRefiner> refiner(Factory::Create(cube, Factory::Options(Sdc::SCHEME_CATMARK)));
     Far::TopologyRefiner::UniformOptions uniform(4);
-    uniform.fullTopologyInLastLevel = true; // forms live on the edges of every level
+    uniform.fullTopologyInLastLevel = true; // for Slope() on the finest level; Formwork does not need it
     refiner->RefineUniform(uniform);
 
     try {

@@ -1,13 +1,19 @@
 //! Levels of refinement with their operators.
 
+mod assembly;
 mod budget;
+mod kernel;
+mod level;
 mod refinement;
 
+pub use kernel::Workspace;
+pub use level::Level;
 pub use refinement::{Operators, Refinement};
 
-use crate::cochain::{Cochain, Value};
-use crate::osd::{MAX_LEVELS, OsdError, OsdScheme, Refiner, Tags};
+use crate::cochain::{Cochain, Quantity};
+use crate::osd::{MAX_LEVELS, OsdError, OsdScheme, Refiner};
 use crate::scheme::{Scheme, SchemeError};
+use crate::sparse::{Csr, multiply};
 use crate::topology::{Cage, Mesh, Split, SplitKind, TopologyError};
 
 /// A control cage refined a number of times, with the operators between the levels.
@@ -22,25 +28,6 @@ pub struct Hierarchy {
     levels: Vec<Level>,
     /// `refinements[l]` leads from level `l` to level `l + 1`.
     refinements: Vec<Refinement>,
-}
-
-/// One level: its complex and OpenSubdiv's tags.
-#[derive(Clone, Debug)]
-pub struct Level {
-    mesh: Mesh,
-    tags: Tags,
-}
-
-impl Level {
-    /// The complex.
-    pub fn mesh(&self) -> &Mesh {
-        &self.mesh
-    }
-
-    /// Sharpness, vertex rules and holes.
-    pub fn tags(&self) -> &Tags {
-        &self.tags
-    }
 }
 
 /// Why a hierarchy cannot be built.
@@ -94,7 +81,7 @@ impl Hierarchy {
         levels: usize,
         progress: impl FnMut(usize),
     ) -> Result<Self, HierarchyError> {
-        let (refiner, kind) = refiner(cage, scheme, levels)?;
+        let (refiner, kind) = refiner(cage, scheme, levels, false)?;
         Self::read(cage.clone(), scheme, kind, &refiner, levels, progress)
     }
 
@@ -123,19 +110,20 @@ impl Hierarchy {
         levels: usize,
         mut progress: impl FnMut(usize),
     ) -> Result<Self, HierarchyError> {
-        let level = |l| Ok::<_, OsdError>(Level { mesh: refiner.mesh(l)?, tags: refiner.tags(l)? });
+        let cage_level = Level::cage(refiner.mesh(0)?, refiner.tags(0)?);
         let mut hierarchy =
-            Hierarchy { cage, scheme, kind, levels: vec![level(0)?], refinements: Vec::new() };
+            Hierarchy { cage, scheme, kind, levels: vec![cage_level], refinements: Vec::new() };
         progress(0);
         for l in 1..=levels {
-            let (parent, child) = (hierarchy.finest().mesh(), level(l)?);
-            let split = Split::new(kind, parent);
-            if !split.describes(parent, &child.mesh) {
+            let parent = hierarchy.finest().shared_mesh().clone();
+            let split = Split::new(kind, &parent);
+            if !refiner.numbers_children_as(l - 1, kind)? {
                 return Err(HierarchyError::UnknownNumbering { level: l });
             }
-            let homotopy = scheme.homotopy(kind, parent, &refiner.masks(l - 1)?);
-            hierarchy.refinements.push(Refinement::new(split, homotopy));
-            hierarchy.levels.push(child);
+            let homotopy = scheme.homotopy(kind, &parent, &refiner.masks(l - 1)?);
+            let refinement = Refinement::new(&parent, hierarchy.finest().above(), split, homotopy);
+            hierarchy.refinements.push(refinement);
+            hierarchy.levels.push(Level::refined(parent, split, refiner.tags(l)?));
             progress(l);
         }
         Ok(hierarchy)
@@ -186,17 +174,44 @@ impl Hierarchy {
     ///
     /// # Panics
     /// If `level` is 0 or there is no such level, or the cochain does not belong to `level - 1`.
-    pub fn refine<const K: usize, T: Value>(&self, level: usize, cochain: &Cochain<K, T>) -> Cochain<K, T> {
-        let (parent, child) = (self.level(level - 1).mesh(), self.level(level).mesh());
-        self.refinement(level).apply(parent, child, cochain)
+    pub fn refine<const K: usize, T: Quantity>(
+        &self,
+        level: usize,
+        cochain: &Cochain<K, T>,
+    ) -> Cochain<K, T> {
+        let mut refined = Cochain::new(Vec::new());
+        self.refine_into(level, cochain, &mut refined, &mut Workspace::new());
+        refined
+    }
+
+    /// [`Hierarchy::refine`] into a cochain whose memory is used again, whatever was in it. Fresh memory costs as
+    /// much time as refining does.
+    ///
+    /// # Panics
+    /// As [`Hierarchy::refine`].
+    pub fn refine_into<const K: usize, T: Quantity>(
+        &self,
+        level: usize,
+        cochain: &Cochain<K, T>,
+        refined: &mut Cochain<K, T>,
+        workspace: &mut Workspace<T>,
+    ) {
+        let parent = self.level(level - 1).mesh();
+        self.refinement(level).apply_into(parent, cochain, refined.values_mut(), workspace);
     }
 
     /// Refines a cochain of the cage to the finest level.
     ///
     /// # Panics
     /// If the cochain does not belong to the cage.
-    pub fn subdivide<const K: usize, T: Value>(&self, cochain: &Cochain<K, T>) -> Cochain<K, T> {
-        (1..=self.num_levels()).fold(cochain.clone(), |cochain, level| self.refine(level, &cochain))
+    pub fn subdivide<const K: usize, T: Quantity>(&self, cochain: &Cochain<K, T>) -> Cochain<K, T> {
+        let (mut from, mut to) = (cochain.clone(), Cochain::new(Vec::new()));
+        let mut workspace = Workspace::new();
+        for level in 1..=self.num_levels() {
+            self.refine_into(level, &from, &mut to, &mut workspace);
+            std::mem::swap(&mut from, &mut to);
+        }
+        from
     }
 
     /// The operators from `level - 1` to `level` as matrices.
@@ -204,22 +219,42 @@ impl Hierarchy {
     /// # Panics
     /// If `level` is 0 or there is no such level.
     pub fn operators(&self, level: usize) -> Operators {
-        self.refinement(level).operators(self.level(level - 1).mesh(), self.level(level).mesh())
+        self.refinement(level).operators(self.level(level - 1).mesh())
+    }
+}
+
+impl Hierarchy {
+    /// The operators from the cage straight to `level`, the products of those of the levels between. Rows grow with
+    /// the level (on quads `S1` has 5, 11, 17, 22, .. entries a row, on triangles 9, 16, 20, ..), so refining
+    /// level by level is cheaper unless one row is needed by itself.
+    ///
+    /// # Panics
+    /// If `level` is 0 or there is no such level.
+    pub fn composed_operators(&self, level: usize) -> Operators {
+        let product = |operator: &dyn Fn(&Refinement, &Mesh) -> Csr| {
+            let step = |l: usize| operator(self.refinement(l), self.level(l - 1).mesh());
+            (2..=level).fold(step(1), |product, l| multiply(&step(l), &product))
+        };
+        // One after the other, each in parallel: their sum is what memory has to hold.
+        Operators { s0: product(&Refinement::s0), s1: product(&Refinement::s1), s2: product(&Refinement::s2) }
     }
 }
 
 /// A refiner of `cage` with `levels` levels and the way it splits, once it is certain that the scheme
-/// takes the cage and that the levels fit.
+/// takes the cage and that the levels fit. The edges of the finest level are known if they are asked for.
 pub(crate) fn refiner(
     cage: &Cage,
     scheme: Scheme,
     levels: usize,
+    with_last_edges: bool,
 ) -> Result<(Refiner, SplitKind), HierarchyError> {
     let split = scheme.split(&cage.descriptor().face_sizes)?;
     budget::check(cage, split, levels)?;
     let mut refiner = Refiner::new(cage, scheme.opensubdiv(split))?;
-    if levels > 0 {
-        refiner.refine_uniform(levels)?;
+    match (levels, with_last_edges) {
+        (0, _) => {}
+        (_, true) => refiner.refine_uniform(levels)?,
+        (_, false) => refiner.refine_uniform_without_last_edges(levels)?,
     }
     Ok((refiner, split))
 }

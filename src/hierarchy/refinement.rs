@@ -1,16 +1,27 @@
-use rayon::prelude::*;
+use std::sync::Arc;
 
-use crate::cochain::{Cochain, Value, along, d1};
-use crate::scheme::{Homotopy, whitney};
-use crate::sparse::{Csr, Row, apply, assemble, dot, row_of, zero};
-use crate::topology::{Mesh, Split};
+use super::assembly;
+use super::kernel::{self, Workspace};
+use crate::cochain::{Cochain, Quantity};
+use crate::scheme::regular::turn;
+use crate::scheme::{Homotopy, Regular, whitney};
+use crate::sparse::{Csr, Row};
+use crate::topology::{HalfEdge, Mesh, Split};
 
 /// One step of refinement: the split and the two tables of the scheme.
 #[derive(Clone, Debug)]
 pub struct Refinement {
-    split: Split,
-    homotopy: Homotopy,
+    pub(super) split: Split,
+    pub(super) homotopy: Homotopy,
+    /// The level above the parent, if its faces are those that the formulas are for.
+    pub(super) above: Option<Arc<Mesh>>,
+    /// On quads, for each half-edge that leaves a vertex which is regular in the parent the one that reaches it
+    /// straight on, [`NONE`] for the others: half-edges of the level above, if there is one, else of the parent.
+    pub(super) continued: Vec<HalfEdge>,
 }
+
+/// No half-edge.
+pub(super) const NONE: HalfEdge = HalfEdge(u32::MAX);
 
 /// The subdivision operators of one step, from level `K` to its refinement `K'`.
 #[derive(Clone, Debug)]
@@ -24,8 +35,50 @@ pub struct Operators {
 }
 
 impl Refinement {
-    pub(super) fn new(split: Split, homotopy: Homotopy) -> Self {
-        Refinement { split, homotopy }
+    pub(super) fn new(parent: &Mesh, above: Option<&Arc<Mesh>>, split: Split, homotopy: Homotopy) -> Self {
+        let quads = homotopy.regular == Regular::Catmark;
+        let above = match homotopy.regular {
+            Regular::Catmark => above.filter(|above| above.uniform_face_size() == Some(4)).cloned(),
+            Regular::Loop => above.cloned(),
+            Regular::Whitney => None,
+        };
+        let mut continued = Vec::new();
+        if quads {
+            // Vertices keep their numbers: one of the level above is regular in the parent or not.
+            let mesh = above.as_deref().unwrap_or(parent);
+            continued = vec![NONE; 2 * mesh.num_edges()];
+            for v in (0..mesh.num_vertices() as u32).filter(|&v| homotopy.h0.position(v as usize).is_none()) {
+                let fan = mesh.fans(v).next().expect("a regular vertex has a fan").corners;
+                let spokes: [HalfEdge; 4] = std::array::from_fn(|i| mesh.corner_half_edge(fan[i]));
+                for (i, h) in spokes.iter().enumerate() {
+                    continued[h.index()] = spokes[(i + 2) % 4].twin();
+                }
+            }
+        }
+        Refinement { split, homotopy, above, continued }
+    }
+
+    /// The half-edge of the parent that reaches the tail of `h`, a regular vertex of a mesh of quads, straight on.
+    #[inline]
+    pub(super) fn continued(&self, h: HalfEdge) -> HalfEdge {
+        let Some(above) = &self.above else { return self.continued[h.index()] };
+        let inside = above.num_corners() as u32;
+        let leaves_midpoint_or_centre = h.sign() > 0.0;
+        match h.edge() {
+            // p -> m_i, after m_{i+2} -> p; m_i -> p, after that of the quad across.
+            corner if corner < inside => match leaves_midpoint_or_centre {
+                true => HalfEdge::new(turn(corner, 2), false),
+                false => {
+                    let across = above.left_corner(above.corner_half_edge(corner).twin());
+                    HalfEdge::new(across.expect("a regular edge has two faces"), true)
+                }
+            },
+            // m -> v, after the other half; v -> m, after the half of the edge that reaches v.
+            half => match leaves_midpoint_or_centre {
+                true => HalfEdge::new(inside + ((half - inside) ^ 1), false),
+                false => HalfEdge::new(inside + self.continued[(half - inside) as usize].twin().0, true),
+            },
+        }
     }
 
     /// The numbering of the children.
@@ -38,116 +91,86 @@ impl Refinement {
         &self.homotopy
     }
 
-    /// `S0 = W0 + H0 d0`, `S1 = W1 + d0' H0 + H1 d1`, `S2 = W2 + d1' H1`, row by row.
-    pub(super) fn operators(&self, parent: &Mesh, child: &Mesh) -> Operators {
-        let h0 = &self.homotopy.h0;
-        let shape = |k| (child.num_cells(k), parent.num_cells(k));
-        let s0 = assemble(shape(0), |vertex, row| {
-            for (&e, &weight) in std::iter::zip(row_of(h0, vertex).0, row_of(h0, vertex).1) {
-                let [a, b] = parent.edges()[e as usize];
-                row.add(a, -weight);
-                row.add(b, weight);
-            }
-            // Last: at a vertex of high valence the many small terms before it lose less that way.
-            whitney::w0(parent, self.split.vertex_parent(vertex), |v, weight| row.add(v, weight));
+    /// Whether the row of `S2` of a child face follows the formula: those of `H1` along its boundary do.
+    pub(super) fn is_regular_face(&self, parent: &Mesh, child: usize) -> bool {
+        let mut regular = true;
+        self.split.face_boundary(parent, child, |edge, _| {
+            regular &= self.homotopy.h1.position(self.split.edge_of(edge) as usize).is_none();
         });
-        let s1 = assemble(shape(1), |edge, row| self.add_s1_row(parent, child, edge, 1.0, row));
-        let s2 = assemble(shape(2), |face, row| self.add_s2_row(parent, child, face, 1.0, row));
+        regular
+    }
+
+    /// `S0 = W0 + H0 d0`, `S1 = W1 + d0' H0 + H1 d1`, `S2 = W2 + d1' H1`.
+    pub fn operators(&self, parent: &Mesh) -> Operators {
+        let (s0, (s1, s2)) =
+            rayon::join(|| self.s0(parent), || rayon::join(|| self.s1(parent), || self.s2(parent)));
         Operators { s0, s1, s2 }
     }
 
-    /// Adds `scale` times the row of `S1` of a child edge.
-    pub(crate) fn add_s1_row(&self, parent: &Mesh, child: &Mesh, edge: usize, scale: f64, row: &mut Row) {
-        let Homotopy { h0, h1 } = &self.homotopy;
-        whitney::w1(parent, self.split.kind(), self.split.edge_parent(edge), |h, weight| {
-            row.add(h.edge(), scale * weight * h.sign())
+    /// `S0 = W0 + H0 d0`, `(|V'|, |V|)`.
+    pub fn s0(&self, parent: &Mesh) -> Csr {
+        assembly::s0(self, parent)
+    }
+
+    /// `S1 = W1 + d0' H0 + H1 d1`, `(|E'|, |E|)`.
+    pub fn s1(&self, parent: &Mesh) -> Csr {
+        assembly::s1(self, parent)
+    }
+
+    /// `S2 = W2 + d1' H1`, `(|F'|, |F|)`.
+    pub fn s2(&self, parent: &Mesh) -> Csr {
+        assembly::s2(self, parent)
+    }
+
+    /// Adds `scale` times the row of `S0` of a child vertex.
+    pub(crate) fn add_s0_row(&self, parent: &Mesh, vertex: usize, scale: f64, row: &mut Row) {
+        let child = self.split.vertex_parent(vertex);
+        self.homotopy.for_each_h0(parent, &self.split, child, |h, weight| {
+            row.add(parent.tail(h), -scale * weight);
+            row.add(parent.head(h), scale * weight);
         });
-        let [tail, head] = child.edges()[edge];
-        row.add_row(h0, head as usize, scale);
-        row.add_row(h0, tail as usize, -scale);
-        for (&f, &weight) in std::iter::zip(row_of(h1, edge).0, row_of(h1, edge).1) {
+        // Last: at a vertex of high valence the many small terms before it lose less that way.
+        whitney::w0(parent, child, |v, weight| row.add(v, scale * weight));
+    }
+
+    /// Adds `scale` times the row of `S1` of a child edge.
+    pub(crate) fn add_s1_row(&self, parent: &Mesh, edge: usize, scale: f64, row: &mut Row) {
+        let (split, place) = (&self.split, self.split.edge_parent(edge));
+        whitney::w1(parent, split.kind(), place, |h, weight| row.add(h.edge(), scale * weight * h.sign()));
+        let [tail, head] = split.edge_ends(parent, place);
+        self.homotopy.add_h0_row(parent, split, head, scale, row);
+        self.homotopy.add_h0_row(parent, split, tail, -scale, row);
+        self.homotopy.for_each_h1(parent, split, place, |f, weight| {
             for h in parent.face_half_edges(f) {
                 row.add(h.edge(), scale * weight * h.sign());
             }
-        }
+        });
     }
 
     /// Adds `scale` times the row of `S2` of a child face.
-    pub(crate) fn add_s2_row(&self, parent: &Mesh, child: &Mesh, face: usize, scale: f64, row: &mut Row) {
+    pub(crate) fn add_s2_row(&self, parent: &Mesh, face: usize, scale: f64, row: &mut Row) {
         let of = self.split.face_parent(parent, face);
         row.add(of, scale * whitney::w2(parent, self.split.kind(), of));
-        for h in child.face_half_edges(face as u32) {
-            row.add_row(&self.homotopy.h1, h.edge() as usize, scale * h.sign());
-        }
+        self.split.face_boundary(parent, face, |edge, sign| {
+            self.homotopy.add_h1_row(parent, &self.split, edge, scale * sign, row);
+        });
     }
 
-    /// The same operators applied to a cochain without forming them: a displacement for each child
-    /// vertex, a value for each child edge, then the differences.
-    pub(super) fn apply<const K: usize, T: Value>(
+    /// The same operators applied to a cochain without forming them.
+    pub(super) fn apply_into<const K: usize, T: Quantity>(
         &self,
         parent: &Mesh,
-        child: &Mesh,
         x: &Cochain<K, T>,
-    ) -> Cochain<K, T> {
+        out: &mut Vec<T>,
+        workspace: &mut Workspace<T>,
+    ) {
         assert_eq!(x.len(), parent.num_cells(K), "a cochain of another mesh");
-        let values = match K {
-            0 => self.apply_0(parent, x.values()),
-            1 => self.apply_1(parent, child, x.values()),
-            2 => self.apply_2(parent, child, x.values()),
+        out.resize(self.split.num_children(K), T::zero());
+        match K {
+            0 => kernel::form0(self, parent, x.values(), out),
+            1 => kernel::form1(self, parent, x.values(), out, workspace),
+            2 => kernel::form2(self, parent, x.values(), out),
             _ => unreachable!("a surface has cells of dimension 0, 1 and 2"),
-        };
-        Cochain::new(values)
-    }
-
-    fn apply_0<T: Value>(&self, parent: &Mesh, x: &[T]) -> Vec<T> {
-        let zero = zero(x);
-        let h0 = &self.homotopy.h0;
-        (0..self.split.num_children(0))
-            .into_par_iter()
-            .map(|vertex| {
-                let mut sum = zero;
-                whitney::w0(parent, self.split.vertex_parent(vertex), |v, weight| {
-                    sum = sum + x[v as usize] * weight;
-                });
-                for (&e, &weight) in std::iter::zip(row_of(h0, vertex).0, row_of(h0, vertex).1) {
-                    let [a, b] = parent.edges()[e as usize];
-                    sum = sum + (x[b as usize] - x[a as usize]) * weight;
-                }
-                sum
-            })
-            .collect()
-    }
-
-    fn apply_1<T: Value>(&self, parent: &Mesh, child: &Mesh, c: &[T]) -> Vec<T> {
-        let displacement = apply(&self.homotopy.h0, c);
-        let curl = d1(parent, c);
-        child
-            .edges()
-            .par_iter()
-            .enumerate()
-            .map(|(edge, &[tail, head])| {
-                let mut sum = displacement[head as usize] - displacement[tail as usize];
-                whitney::w1(parent, self.split.kind(), self.split.edge_parent(edge), |h, weight| {
-                    sum = sum + along(c, h) * weight;
-                });
-                match dot(row_of(&self.homotopy.h1, edge), &curl) {
-                    Some(value) => sum + value,
-                    None => sum,
-                }
-            })
-            .collect()
-    }
-
-    fn apply_2<T: Value>(&self, parent: &Mesh, child: &Mesh, density: &[T]) -> Vec<T> {
-        let across = apply(&self.homotopy.h1, density);
-        (0..child.num_faces() as u32)
-            .into_par_iter()
-            .map(|face| {
-                let of = self.split.face_parent(parent, face as usize);
-                let share = density[of as usize] * whitney::w2(parent, self.split.kind(), of);
-                let boundary = child.face_half_edges(face).iter();
-                boundary.fold(share, |sum, h| sum + across[h.edge() as usize] * h.sign())
-            })
-            .collect()
+        }
     }
 }

@@ -108,7 +108,7 @@ pub fn measure(
     mut progress: impl FnMut(usize),
 ) -> Result<Report, HierarchyError> {
     let hierarchy = Hierarchy::new(cage, scheme, levels)?;
-    let (refiner, split) = refiner(cage, scheme, levels)?;
+    let (refiner, split) = refiner(cage, scheme, levels, true)?;
     let refiner = scheme.is_opensubdivs(split).then_some(&refiner);
     let mut rows = Vec::with_capacity(levels);
     for level in 1..=levels {

@@ -36,7 +36,6 @@ pub use tangents::LimitTangents;
 
 use crate::cochain::{Cochain, Value, d1};
 use crate::hierarchy::{Hierarchy, HierarchyError};
-use crate::scheme::Homotopy;
 use crate::sparse::{Csr, apply, assemble, dot, row_of};
 use crate::topology::Mesh;
 
@@ -47,7 +46,7 @@ pub(crate) const INFINITE: f32 = 10.0;
 #[derive(Clone, Debug)]
 pub struct Limit {
     /// `(|V|, |E|)` and `(|E|, |F|)`.
-    tables: Homotopy,
+    tables: unsettled::Tables,
 }
 
 /// The limit operators of one level, from the level to itself.
@@ -95,12 +94,12 @@ impl Limit {
 
     /// `K0`, `(|V|, |E|)`: the way of each vertex to its limit, over oriented edges.
     pub fn k0(&self) -> &Csr {
-        &self.tables.h0
+        &self.tables.k0
     }
 
     /// `K1`, `(|E|, |F|)`: what each edge, in its own direction, takes of the faces near it.
     pub fn k1(&self) -> &Csr {
-        &self.tables.h1
+        &self.tables.k1
     }
 
     /// `L0`, `L1` and `L2` as matrices, by (B). `mesh` is the level's.

@@ -13,7 +13,7 @@ use crate::hierarchy::{Hierarchy, HierarchyError, Operators};
 use crate::osd::{Refiner, Rule, Tags};
 use crate::scheme::{Scheme, Variant};
 use crate::sparse::{Csr, assemble, row_of};
-use crate::topology::{Cage, Corner, Crease, Descriptor, HalfEdge, Mesh, SplitKind};
+use crate::topology::{Cage, Corner, Crease, Descriptor, HalfEdge, Mesh, Parent, SplitKind};
 
 /// A cage whose vertex 0 has the given surroundings: `faces` quads or triangles round it.
 pub fn cage(kind: SplitKind, c: Configuration) -> Cage {
@@ -122,7 +122,11 @@ pub fn dart_row(scheme: Scheme, kind: SplitKind, k: usize) -> Result<Vec<f64>, H
     };
     let (parent, child) = (signed(&ring(levels - 1)), signed(&ring(levels)));
     let a = block(&hierarchy.operators(levels).s1, &parent, &child);
-    let displacement = block(&hierarchy.refinement(levels).homotopy().h0, &parent, &[(0, 1.0)]);
+    let (mesh, refinement) = (hierarchy.level(levels - 1).mesh(), hierarchy.refinement(levels));
+    let displacement = assemble((1, mesh.num_edges()), |_, row| {
+        refinement.homotopy().add_h0_row(mesh, refinement.split(), Parent::Vertex(0), 1.0, row);
+    });
+    let displacement = block(&displacement, &parent, &[(0, 1.0)]);
     let n = parent.len();
     let row = (DMatrix::identity(n, n) - dense(&a)).transpose().lu().solve(&dense(&displacement).transpose());
     Ok(row.expect("I - A is regular").as_slice().to_vec())

@@ -7,7 +7,7 @@ use super::settled::Settled;
 use super::tangents::{self, Collection, LimitTangents, Pulled};
 use crate::hierarchy::{Hierarchy, HierarchyError, Level};
 use crate::osd::{Rules, Tags};
-use crate::scheme::{FaceRows, Homotopy, Scheme};
+use crate::scheme::{FaceRows, Scheme};
 use crate::sparse::{Csr, Row, assemble, row_of};
 use crate::topology::{
     BoundaryInterpolation, Cage, Corner, Crease, Descriptor, HalfEdge, Mesh, Parent, SplitKind,
@@ -34,10 +34,19 @@ pub struct Wanted {
     edges: Vec<bool>,
 }
 
+/// The two tables of (B).
+#[derive(Clone, Debug)]
+pub struct Tables {
+    /// `(|V|, |E|)`.
+    pub k0: Csr,
+    /// `(|E|, |F|)`.
+    pub k1: Csr,
+}
+
 /// What is known of the limit on a level.
 pub struct Known {
     /// `K0` and `K1`.
-    pub tables: Homotopy,
+    pub tables: Tables,
     /// The tangents at the vertices, if they were asked for.
     pub tangents: Option<LimitTangents>,
 }
@@ -86,7 +95,7 @@ pub fn solve(
         true => Some(collection.tangents(wants_vertex, |v| open.vertices[v], pulled)?),
         false => None,
     };
-    Ok(Known { tables: Homotopy { h0: k0, h1: k1 }, tangents })
+    Ok(Known { tables: Tables { k0, k1 }, tangents })
 }
 
 /// The surroundings of the open cells, as a cage of their own, with the rows of the open cells.
@@ -163,28 +172,29 @@ impl Piece {
         let tangents = finer.tangents.as_ref().map(|finer| {
             let below = |c| split.corner_at(parent, c);
             tangents::pull_back(finer, parent, below, |edge, weight, row| {
-                refinement.add_s1_row(parent, child_mesh, edge, weight, row);
+                refinement.add_s1_row(parent, edge, weight, row);
             })
         });
 
         let finer = finer.tables;
-        let Homotopy { h0, h1 } = refinement.homotopy();
+        let homotopy = refinement.homotopy();
         let k0 = assemble((parent.num_vertices(), parent.num_edges()), |i, row| {
             if is_open_vertex(i) {
-                let vertex = split.vertex_of(Parent::Vertex(i as u32)) as usize;
-                row.add_row(h0, vertex, 1.0);
-                let (columns, weights) = row_of(&finer.h0, vertex);
+                let child = Parent::Vertex(i as u32);
+                let vertex = split.vertex_of(child) as usize;
+                homotopy.add_h0_row(parent, split, child, 1.0, row);
+                let (columns, weights) = row_of(&finer.k0, vertex);
                 for (&e, &weight) in columns.iter().zip(weights) {
-                    refinement.add_s1_row(parent, child_mesh, e as usize, weight, row);
+                    refinement.add_s1_row(parent, e as usize, weight, row);
                 }
             }
         });
         let k1 = assemble((parent.num_edges(), parent.num_faces()), |i, row| {
             for (half, sign) in halves(i as u32).into_iter().filter(|_| is_open_edge(i)) {
-                row.add_row(h1, half as usize, sign);
-                let (columns, weights) = row_of(&finer.h1, half as usize);
+                homotopy.add_h1_row(parent, split, split.edge_parent(half as usize), sign, row);
+                let (columns, weights) = row_of(&finer.k1, half as usize);
                 for (&f, &weight) in columns.iter().zip(weights) {
-                    refinement.add_s2_row(parent, child_mesh, f as usize, sign * weight, row);
+                    refinement.add_s2_row(parent, f as usize, sign * weight, row);
                 }
             }
         });

@@ -146,7 +146,7 @@ fn opensubdivs_tangents(
     configuration: Configuration,
     cells: &Cells,
 ) -> Result<[RowDVector<f64>; 2], HierarchyError> {
-    let (refiner, _) = refiner(&cage(kind, configuration), scheme, LEVELS)?;
+    let (refiner, _) = refiner(&cage(kind, configuration), scheme, LEVELS, true)?;
     let stencils = refiner.limit_stencils()?;
     Ok([&stencils.tangent1, &stencils.tangent2].map(|stencil| {
         let mut row = RowDVector::zeros(cells.vertices.len());

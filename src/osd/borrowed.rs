@@ -18,10 +18,6 @@ pub enum BorrowError {
     )]
     Adaptive,
     #[error(
-        "the refiner has no edges in its last level: set fullTopologyInLastLevel in the UniformOptions of RefineUniform"
-    )]
-    NoFullTopology,
-    #[error(
         "the refiner orders the vertices of faces first: leave orderVerticesFromFacesFirst unset in the UniformOptions of RefineUniform"
     )]
     FacesFirst,
@@ -40,7 +36,6 @@ impl Refiner {
         let made = self.0.description().map_err(OsdError::from)?;
         match () {
             () if made.levels > 0 && !made.uniform => Err(BorrowError::Adaptive),
-            () if !made.full_topology => Err(BorrowError::NoFullTopology),
             () if made.faces_first => Err(BorrowError::FacesFirst),
             () => Ok(self),
         }

@@ -15,8 +15,7 @@ impl Refiner {
     /// program has them.
     ///
     /// # Errors
-    /// If the pointer is null, or the refiner was refined adaptively, without full topology in its last level,
-    /// or with face vertices first.
+    /// If the pointer is null, or the refiner was refined adaptively or with face vertices first.
     ///
     /// # Safety
     /// The pointer must be null or point to a refiner of OpenSubdiv [`super::version`], which lives, and is not
@@ -67,7 +66,6 @@ pub(super) mod ffi {
         triangles: bool,
         levels: u32,
         uniform: bool,
-        full_topology: bool,
         faces_first: bool,
     }
 
@@ -128,19 +126,27 @@ pub(super) mod ffi {
         unsafe fn borrow_refiner(refiner: *const FarRefiner) -> Result<UniquePtr<Refiner>>;
         fn new_refiner(cage: &CageArrays) -> Result<UniquePtr<Refiner>>;
         fn description(self: &Refiner) -> Result<Description>;
-        fn refine_uniform(self: Pin<&mut Refiner>, levels: u32) -> Result<()>;
+        fn refine_uniform(self: Pin<&mut Refiner>, levels: u32, full_last_level: bool) -> Result<()>;
         fn counts(self: &Refiner, level: u32) -> Result<Counts>;
         fn topology(self: &Refiner, level: u32, out: TopologyArrays) -> Result<()>;
         fn tags(self: &Refiner, level: u32, out: TagArrays) -> Result<()>;
         fn masks(self: &Refiner, level: u32, out: MaskArrays) -> Result<()>;
         fn children(self: &Refiner, level: u32, out: ChildArrays) -> Result<()>;
+        fn numbers_children_in_order(self: &Refiner, level: u32, centres: bool) -> Result<bool>;
         fn stencils(self: &Refiner, level: u32) -> Result<Stencils>;
+        fn per_level_tables(self: &Refiner) -> Result<usize>;
         fn limit_stencils(self: &Refiner, which: u8) -> Result<Stencils>;
         fn interpolate(self: &Refiner, level: u32, source: &[f64], out: &mut [f64]) -> Result<()>;
 
         type FloatStencilTable;
 
         fn float_stencil_table(refiner: &Refiner) -> Result<UniquePtr<FloatStencilTable>>;
+        fn float_table_of(
+            columns: u32,
+            row_ends: &[u64],
+            indices: &[u32],
+            weights: &[f64],
+        ) -> Result<UniquePtr<FloatStencilTable>>;
         fn num_stencils(self: &FloatStencilTable) -> usize;
         fn evaluate(self: &FloatStencilTable, source: &[f32], width: u32, out: &mut [f32]) -> Result<()>;
 

@@ -18,7 +18,7 @@ use bridge::ffi;
 use cxx::UniquePtr;
 
 use crate::sparse::{Csr, assemble};
-use crate::topology::{BoundaryInterpolation, Cage, CreasingMethod, Mesh, TriangleSubdivision};
+use crate::topology::{BoundaryInterpolation, Cage, CreasingMethod, Mesh, SplitKind, TriangleSubdivision};
 
 /// The most levels that OpenSubdiv refines.
 pub const MAX_LEVELS: usize = 15;
@@ -79,17 +79,27 @@ impl Refiner {
     /// # Errors
     /// If `levels` is 0 or above [`MAX_LEVELS`], on a second call, or out of memory.
     pub fn refine_uniform(&mut self, levels: usize) -> Result<(), OsdError> {
-        Ok(self.0.pin_mut().refine_uniform(levels.min(MAX_LEVELS + 1) as u32)?)
+        Ok(self.0.pin_mut().refine_uniform(levels.min(MAX_LEVELS + 1) as u32, true)?)
+    }
+
+    /// [`Refiner::refine_uniform`], but of the finest level only what values are refined by: its [`Refiner::mesh`]
+    /// is not known. Half the time and half the memory.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn refine_uniform_without_last_edges(&mut self, levels: usize) -> Result<(), OsdError> {
+        Ok(self.0.pin_mut().refine_uniform(levels.min(MAX_LEVELS + 1) as u32, false)?)
     }
 
     /// The incidence of a level.
     ///
     /// # Errors
-    /// If there is no such level.
+    /// If there is no such level, or it is the last of
+    /// [`Refiner::refine_uniform_without_last_edges`].
     pub fn mesh(&self, level: usize) -> Result<Mesh, OsdError> {
         let Incidence { num_vertices, face_sizes, face_vertices, face_edges, edges } =
             self.incidence(level)?;
-        Mesh::from_arrays(num_vertices, &face_sizes, face_vertices, &face_edges, edges)
+        Mesh::from_arrays(num_vertices, &face_sizes, &face_vertices, &face_edges, edges)
             .map_err(|error| OsdError(error.to_string()))
     }
 
@@ -211,6 +221,15 @@ impl Refiner {
         Ok(children)
     }
 
+    /// Whether the children of the cells of `level` are numbered by the rule of [`crate::topology::Split`], and
+    /// directed by it as far as the refiner knows.
+    ///
+    /// # Errors
+    /// If there is no level `level + 1`.
+    pub fn numbers_children_as(&self, level: usize, kind: SplitKind) -> Result<bool, OsdError> {
+        Ok(self.0.numbers_children_in_order(level as u32, kind == SplitKind::Quad)?)
+    }
+
     /// OpenSubdiv's own S0 from `level - 1` to `level`, `(|V'|, |V|)`: the rows of its double-precision
     /// stencil table, a computation apart from [`Refiner::masks`].
     ///
@@ -219,6 +238,15 @@ impl Refiner {
     pub fn stencils(&self, level: usize) -> Result<Csr, OsdError> {
         let columns = self.0.counts(level.saturating_sub(1) as u32)?.vertices;
         Ok(matrix(&self.0.stencils(level as u32)?, columns))
+    }
+
+    /// Builds and drops OpenSubdiv's double-precision stencil tables of S0, each level from the one before, and
+    /// returns the number of their entries: what benchmarks measure our tables against.
+    ///
+    /// # Errors
+    /// If the C++ side fails.
+    pub fn build_per_level_tables(&self) -> Result<usize, OsdError> {
+        Ok(self.0.per_level_tables()?)
     }
 
     /// OpenSubdiv's limit masks on the finest level.
@@ -268,6 +296,21 @@ struct Incidence {
 pub struct FloatStencilTable(UniquePtr<ffi::FloatStencilTable>);
 
 impl FloatStencilTable {
+    /// The rows of a matrix as such a table, weights in single precision.
+    ///
+    /// # Errors
+    /// If the C++ side fails.
+    pub fn of(matrix: &Csr) -> Result<Self, OsdError> {
+        let row_ends: Vec<u64> =
+            matrix.indptr().raw_storage().iter().skip(1).map(|&end| end as u64).collect();
+        Ok(FloatStencilTable(ffi::float_table_of(
+            matrix.cols() as u32,
+            &row_ends,
+            matrix.indices(),
+            matrix.data(),
+        )?))
+    }
+
     /// The number of rows.
     pub fn num_stencils(&self) -> usize {
         self.0.num_stencils()

@@ -54,7 +54,7 @@ pub fn homotopy(mesh: &Mesh, masks: &Masks, variant: Variant, boundary: Boundary
 
 /// `(c_{a o} + c_{b o})/2`, the value from the midpoint of the edge `a -> b` that leaves a corner to the
 /// vertex opposite.
-fn midpoint_to_opposite(mesh: &Mesh, corner: u32, visit: &mut dyn FnMut(HalfEdge, f64)) {
+pub(super) fn midpoint_to_opposite(mesh: &Mesh, corner: u32, mut visit: impl FnMut(HalfEdge, f64)) {
     visit(mesh.corner_half_edge(mesh.previous_corner(corner)).twin(), 0.5);
     visit(mesh.corner_half_edge(mesh.next_corner(corner)), 0.5);
 }

@@ -17,6 +17,7 @@
 //! - [`catmark`]: Catmull-Clark with Doo-Sabin; [`doo_sabin`]: its face weights.
 //! - [`loop_`]: Loop with half-box splines; [`half_box`]: its face weights; [`modified_loop`]: the
 //!   thesis' vertex rule.
+//! - [`regular`]: what all this comes to where the mesh is regular.
 //! - [`correction`]: the part of `H1` at a vertex that reaches the wanted face weights, by sectors.
 
 pub mod catmark;
@@ -25,6 +26,7 @@ pub mod doo_sabin;
 pub mod half_box;
 pub mod loop_;
 pub mod modified_loop;
+pub mod regular;
 pub(crate) mod sector;
 mod tables;
 pub mod whitney;
@@ -33,10 +35,11 @@ pub(crate) use correction::FaceRows;
 pub use doo_sabin::DooSabin;
 pub use half_box::BoundaryRule;
 pub use loop_::Variant;
+pub use regular::Regular;
 
 use crate::osd::{Masks, OsdScheme};
-use crate::sparse::{Csr, assemble};
-use crate::topology::{Mesh, Split, SplitKind};
+use crate::sparse::{Exceptions, Row};
+use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
 
 /// A subdivision scheme for 0-, 1- and 2-forms.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,14 +86,59 @@ impl SchemeError {
     }
 }
 
-/// The two tables of a scheme from one level to the next, over the Whitney scheme of the split.
+/// The two tables of a scheme from one level to the next, over the Whitney scheme of the split: a formula,
+/// and the rows that are exceptions to it.
 #[derive(Clone, Debug)]
 pub struct Homotopy {
+    /// The rows of regular cells.
+    pub regular: Regular,
     /// `(|V'|, |E|)`: the displacement of each child vertex from its Whitney position, as a combination of
     /// oriented edges.
-    pub h0: Csr,
+    pub h0: Exceptions,
     /// `(|E'|, |F|)`: what each child edge (in its own direction) takes of the faces beside it.
-    pub h1: Csr,
+    pub h1: Exceptions,
+}
+
+impl Homotopy {
+    /// Adds `scale` times the row of `H0` of the child vertex of a cell.
+    pub fn add_h0_row(&self, mesh: &Mesh, split: &Split, child: Parent, scale: f64, row: &mut Row) {
+        self.for_each_h0(mesh, split, child, |h, weight| row.add(h.edge(), scale * weight * h.sign()));
+    }
+
+    /// Adds `scale` times the row of `H1` of a child edge.
+    pub fn add_h1_row(&self, mesh: &Mesh, split: &Split, child: ChildEdge, scale: f64, row: &mut Row) {
+        self.for_each_h1(mesh, split, child, |face, weight| row.add(face, scale * weight));
+    }
+
+    /// Visits the terms of the row of `H1` of a child edge.
+    pub(crate) fn for_each_h1(
+        &self,
+        mesh: &Mesh,
+        split: &Split,
+        child: ChildEdge,
+        mut visit: impl FnMut(u32, f64),
+    ) {
+        match self.h1.get(split.edge_of(child) as usize) {
+            Some((faces, weights)) => faces.iter().zip(weights).for_each(|(&f, &weight)| visit(f, weight)),
+            None => self.regular.h1(mesh, child, visit),
+        }
+    }
+
+    /// Visits the terms of the row of `H0` of a child vertex, as half-edges.
+    pub(crate) fn for_each_h0(
+        &self,
+        mesh: &Mesh,
+        split: &Split,
+        child: Parent,
+        mut visit: impl FnMut(HalfEdge, f64),
+    ) {
+        match self.h0.get(split.vertex_of(child) as usize) {
+            Some((edges, weights)) => {
+                edges.iter().zip(weights).for_each(|(&e, &weight)| visit(HalfEdge::new(e, true), weight));
+            }
+            None => self.regular.h0(mesh, child, visit),
+        }
+    }
 }
 
 impl Scheme {
@@ -143,9 +191,11 @@ impl Scheme {
             Scheme::Loop(variant, boundary) => loop_::homotopy(mesh, masks, variant, boundary),
             Scheme::Whitney | Scheme::Bilinear => {
                 let split = Split::new(split, mesh);
+                let none = |rows, columns| Exceptions::collect((rows, columns), |_| false, |_, _| ());
                 Homotopy {
-                    h0: assemble((split.num_children(0), mesh.num_edges()), |_, _| ()),
-                    h1: assemble((split.num_children(1), mesh.num_faces()), |_, _| ()),
+                    regular: Regular::Whitney,
+                    h0: none(split.num_children(0), mesh.num_edges()),
+                    h1: none(split.num_children(1), mesh.num_faces()),
                 }
             }
         }

@@ -2,9 +2,10 @@
 //! correction and the rows of the odd edges.
 
 use super::correction::{Correction, FaceWeights};
+use super::regular::{Regular, RegularCells};
 use super::{Homotopy, whitney};
 use crate::osd::Masks;
-use crate::sparse::{Csr, Row, assemble};
+use crate::sparse::{Exceptions, Row};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
 
 /// Both tables. `lift(corner, visit)` hands out the value from the midpoint of the edge that leaves a corner
@@ -19,13 +20,22 @@ pub(super) fn homotopy(
     odd: impl Fn(u32, &mut Row) + Sync,
 ) -> Homotopy {
     let split = Split::new(kind, mesh);
+    let regular = RegularCells::of(kind, mesh, masks);
     let correction = Correction::new(mesh, &masks.edge_face, &masks.rules, weights);
-    let h1 = assemble((split.num_children(1), mesh.num_faces()), |edge, row| match split.edge_parent(edge) {
-        // The child edge is directed m_e -> v.
-        ChildEdge::Even(h) => correction.add_row(h, -1.0, row),
-        ChildEdge::Odd(corner) => odd(corner, row),
-    });
-    Homotopy { h0: h0(split, mesh, masks, lift), h1 }
+    let h1 = Exceptions::collect(
+        (split.num_children(1), mesh.num_faces()),
+        |edge| !regular.child_edge(kind, mesh, split.edge_parent(edge)),
+        |edge, row| match split.edge_parent(edge) {
+            // The child edge is directed m_e -> v.
+            ChildEdge::Even(h) => correction.add_row(h, -1.0, row),
+            ChildEdge::Odd(corner) => odd(corner, row),
+        },
+    );
+    let formula = match kind {
+        SplitKind::Quad => Regular::Catmark,
+        SplitKind::Triangle => Regular::Loop,
+    };
+    Homotopy { regular: formula, h0: h0(split, mesh, masks, &regular, lift), h1 }
 }
 
 /// ```text
@@ -37,9 +47,16 @@ fn h0(
     split: Split,
     mesh: &Mesh,
     masks: &Masks,
+    regular: &RegularCells,
     lift: impl Fn(u32, &mut dyn FnMut(HalfEdge, f64)) + Sync,
-) -> Csr {
-    assemble((split.num_children(0), mesh.num_edges()), |vertex, row| match split.vertex_parent(vertex) {
+) -> Exceptions {
+    let is_exception = |vertex| match split.vertex_parent(vertex) {
+        Parent::Vertex(v) => !regular.vertices[v as usize],
+        Parent::Edge(e) => !regular.edges[e as usize],
+        Parent::Face(_) => false,
+    };
+    let shape = (split.num_children(0), mesh.num_edges());
+    Exceptions::collect(shape, is_exception, |vertex, row| match split.vertex_parent(vertex) {
         Parent::Vertex(v) => vertex_displacement(mesh, masks, v, row),
         Parent::Edge(e) => midpoint_displacement(mesh, masks, e, &lift, row),
         Parent::Face(_) => {}

@@ -6,6 +6,7 @@
 //! - [`Split`]: how the cells of one level become those of the next, and how they are numbered.
 //! - [`Survey`]: counts, Euler characteristic, boundary loops, genus.
 
+mod build;
 mod cage;
 mod descriptor;
 mod half_edge;
@@ -13,11 +14,12 @@ mod mesh;
 mod split;
 mod survey;
 
+pub use build::MeshError;
 pub use cage::{Cage, Element, MAX_FACE_SIZE, MAX_VALENCE, TopologyError};
 pub use descriptor::{
     BoundaryInterpolation, CollapseReport, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };
 pub use half_edge::HalfEdge;
-pub use mesh::{Fan, Mesh, MeshError};
+pub use mesh::{Fan, Mesh};
 pub use split::{ChildEdge, Parent, Split, SplitKind};
 pub use survey::Survey;

@@ -1,3 +1,5 @@
+use rayon::prelude::*;
+
 use super::{HalfEdge, Mesh};
 
 /// How the cells of one level become those of the next, and how the children are numbered and directed:
@@ -140,6 +142,113 @@ impl Split {
         }
     }
 
+    /// The child edge at a place.
+    #[inline]
+    pub fn edge_of(&self, place: ChildEdge) -> u32 {
+        match place {
+            ChildEdge::Even(h) => self.even_edge(h),
+            ChildEdge::Odd(corner) => corner,
+        }
+    }
+
+    /// The two ends of a child edge, in its direction, as the cells they come from.
+    #[inline]
+    pub fn edge_ends(&self, parent: &Mesh, place: ChildEdge) -> [Parent; 2] {
+        let midpoint = |h: HalfEdge| Parent::Edge(h.edge());
+        match place {
+            ChildEdge::Even(h) => [midpoint(h), Parent::Vertex(parent.tail(h))],
+            ChildEdge::Odd(c) => {
+                let leaving = midpoint(parent.corner_half_edge(c));
+                match self.kind {
+                    SplitKind::Quad => [Parent::Face(parent.corner_face(c)), leaving],
+                    SplitKind::Triangle => {
+                        [leaving, midpoint(parent.corner_half_edge(parent.previous_corner(c)))]
+                    }
+                }
+            }
+        }
+    }
+
+    /// The boundary of a child face, counter-clockwise, as places of child edges with the sign in which they
+    /// are run. It begins at the vertex of the parent's corner, for a triangle in the middle opposite to the
+    /// first corner.
+    #[inline]
+    pub fn face_boundary(&self, parent: &Mesh, child: usize, mut visit: impl FnMut(ChildEdge, f64)) {
+        if self.kind == SplitKind::Triangle && child % 4 == 3 {
+            // From the midpoint of the edge before corner i to that of the edge after.
+            let first = parent.corners(child as u32 / 4).start;
+            return [2, 0, 1].iter().for_each(|i| visit(ChildEdge::Odd(first + i), -1.0));
+        }
+        let corner = self.parent_corner(parent, child);
+        let previous = parent.previous_corner(corner);
+        visit(ChildEdge::Even(parent.corner_half_edge(corner)), -1.0);
+        match self.kind {
+            SplitKind::Quad => {
+                visit(ChildEdge::Odd(corner), -1.0);
+                visit(ChildEdge::Odd(previous), 1.0);
+            }
+            SplitKind::Triangle => visit(ChildEdge::Odd(corner), 1.0),
+        }
+        visit(ChildEdge::Even(parent.corner_half_edge(previous).twin()), 1.0);
+    }
+
+    /// The corner of the parent at which a child face lies.
+    ///
+    /// # Panics
+    /// May panic for a triangle in the middle of its parent, which lies at none.
+    #[inline]
+    pub fn parent_corner(&self, parent: &Mesh, child: usize) -> u32 {
+        match self.kind {
+            SplitKind::Quad => child as u32,
+            SplitKind::Triangle => parent.corners(child as u32 / 4).start + child as u32 % 4,
+        }
+    }
+
+    /// The refined complex, numbered and directed as this table says, which is as OpenSubdiv does.
+    ///
+    /// # Panics
+    /// If this is not the split of `parent`.
+    pub fn refine(&self, parent: &Mesh) -> Mesh {
+        let edges: Vec<[u32; 2]> = (0..self.num_children(1))
+            .into_par_iter()
+            .map(|edge| self.edge_ends(parent, self.edge_parent(edge)).map(|end| self.vertex_of(end)))
+            .collect();
+        let faces = 0..self.num_children(2);
+        let half_edges: Vec<HalfEdge> = match self.kind {
+            SplitKind::Quad => {
+                faces.into_par_iter().flat_map_iter(|f| self.child_boundary::<4>(parent, f)).collect()
+            }
+            SplitKind::Triangle => {
+                faces.into_par_iter().flat_map_iter(|f| self.child_boundary::<3>(parent, f)).collect()
+            }
+        };
+        let sides = if self.kind == SplitKind::Quad { 4 } else { 3 };
+        Mesh::of_equal_faces(self.num_children(0), sides, half_edges, edges)
+    }
+
+    /// The boundary of a child face as it is numbered: OpenSubdiv turns the children of quads and triangles
+    /// like their parents, and begins those of other faces at the vertex.
+    fn child_boundary<const N: usize>(&self, parent: &Mesh, child: usize) -> [HalfEdge; N] {
+        let mut boundary = [HalfEdge(0); N];
+        let first = match self.kind {
+            SplitKind::Quad => {
+                let face = parent.corner_face(child as u32);
+                match parent.face_size(face) {
+                    4 => child - parent.corners(face).start as usize,
+                    _ => 0,
+                }
+            }
+            SplitKind::Triangle if child % 4 == 3 => 0,
+            SplitKind::Triangle => child % 4,
+        };
+        let mut at = first;
+        self.face_boundary(parent, child, |edge, sign| {
+            boundary[at % N] = HalfEdge::new(self.edge_of(edge), sign > 0.0);
+            at += 1;
+        });
+        boundary
+    }
+
     /// The parent of a child face.
     #[inline]
     pub fn face_parent(&self, mesh: &Mesh, face: usize) -> u32 {
@@ -189,7 +298,9 @@ impl Split {
     /// the corners of its faces lie there.
     pub fn describes(&self, parent: &Mesh, child: &Mesh) -> bool {
         (0..3).all(|k| self.num_children(k) == child.num_cells(k))
-            && child.edges().iter().enumerate().all(|(i, &ends)| ends == self.child_edge_ends(parent, i))
+            && child.edges().iter().enumerate().all(|(i, &ends)| {
+                ends == self.edge_ends(parent, self.edge_parent(i)).map(|end| self.vertex_of(end))
+            })
             && (0..parent.num_corners() as u32).all(|c| {
                 let e = parent.corner_half_edge(c).edge();
                 let vertices = child.face_vertices(self.face_at(parent, c));
@@ -205,22 +316,5 @@ impl Split {
                         middle == self.vertex_of(Parent::Edge(opposite))
                     })
             })
-    }
-
-    fn child_edge_ends(&self, parent: &Mesh, edge: usize) -> [u32; 2] {
-        let midpoint = |h: HalfEdge| self.vertex_of(Parent::Edge(h.edge()));
-        match self.edge_parent(edge) {
-            ChildEdge::Even(h) => [midpoint(h), parent.tail(h)],
-            ChildEdge::Odd(c) => match self.kind {
-                SplitKind::Quad => [
-                    self.vertex_of(Parent::Face(parent.corner_face(c))),
-                    midpoint(parent.corner_half_edge(c)),
-                ],
-                SplitKind::Triangle => {
-                    let reaching = parent.corner_half_edge(parent.previous_corner(c));
-                    [midpoint(parent.corner_half_edge(c)), midpoint(reaching)]
-                }
-            },
-        }
     }
 }

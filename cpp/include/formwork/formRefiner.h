@@ -56,8 +56,8 @@ public:
 
     /// \brief Reads all levels of a refiner
     ///
-    /// @param refiner  Refined by RefineUniform() with fullTopologyInLastLevel set and
-    ///                 orderVerticesFromFacesFirst not set, or not refined at all.
+    /// @param refiner  Refined by RefineUniform() without orderVerticesFromFacesFirst, or
+    ///                 not refined at all. Its last level need not have full topology.
     ///                 Adaptive refinement is out of scope.
     ///
     /// @param options  What OpenSubdiv leaves open

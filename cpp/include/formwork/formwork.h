@@ -250,7 +250,7 @@ const char *formwork_last_error(void);
 
 /**
  * A hierarchy of all levels of a C++ program's `OpenSubdiv::Far::TopologyRefiner`, in its own numbering, by
- * the forms that go with its scheme. The refiner must have been refined uniformly, with `fullTopologyInLastLevel`;
+ * the forms that go with its scheme. The refiner must have been refined uniformly, if at all;
  * it is read, not kept. `opensubdiv_version` is `OPENSUBDIV_VERSION_NUMBER` in the program, and must be that of
  * `formwork_opensubdiv_version`. `options` may be null.
  *

@@ -4,34 +4,19 @@
 //! `S0`, `S1`, `S2`) is a [`Csr`] matrix, filled row by row through [`assemble`]. Rows are independent
 //! of each other, so the result is bitwise the same for any number of threads.
 
+mod exceptions;
+mod quantity;
+
+pub use exceptions::Exceptions;
+pub use quantity::{Quantity, Value};
+
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 /// A compressed sparse row matrix in `f64`: 32-bit columns, 64-bit row offsets, columns ascending in
 /// each row, none repeated.
 pub type Csr = sprs::CsMatI<f64, u32, usize>;
-
-/// What a cochain may hold: a number, or a vector of numbers such as a position in R^3.
-///
-/// Implemented for every type with these operations, `f64` and `nalgebra::Vector3<f64>` among them.
-pub trait Value:
-    Copy
-    + Send
-    + Sync
-    + std::ops::Add<Output = Self>
-    + std::ops::Sub<Output = Self>
-    + std::ops::Mul<f64, Output = Self>
-{
-}
-
-impl<T> Value for T where
-    T: Copy
-        + Send
-        + Sync
-        + std::ops::Add<Output = T>
-        + std::ops::Sub<Output = T>
-        + std::ops::Mul<f64, Output = T>
-{
-}
 
 /// Entries at or below this magnitude are rounding left over from terms that cancel exactly: they
 /// are not stored. Subdivision weights are of order 1 and sums of a few dozen terms, so true weights
@@ -39,83 +24,86 @@ impl<T> Value for T where
 pub const ROUNDING_DUST: f64 = 1e-15;
 
 /// One row under assembly: a sum of terms `weight * column`, in any order and with repeats.
+#[derive(Default)]
 pub struct Row {
-    // Dense over all columns, so that a repeated column costs one addition and no search. Fresh
-    // pages come zeroed from the system and only those that a row touches are ever mapped.
-    weight: Vec<f64>,
-    listed: Vec<bool>,
-    columns: Vec<u32>,
+    terms: Vec<(u32, f64)>,
 }
 
 impl Row {
-    fn new(num_columns: usize) -> Self {
-        Row { weight: vec![0.0; num_columns], listed: vec![false; num_columns], columns: Vec::new() }
-    }
-
     /// Adds `weight` to the entry in `column`.
-    ///
-    /// # Panics
-    /// If `column` is out of range.
     #[inline]
     pub fn add(&mut self, column: u32, weight: f64) {
-        let c = column as usize;
-        if !self.listed[c] {
-            self.listed[c] = true;
-            self.columns.push(column);
-        }
-        self.weight[c] += weight;
+        self.terms.push((column, weight));
     }
 
     /// Adds `scale` times row `row` of `matrix`.
     pub fn add_row(&mut self, matrix: &Csr, row: usize, scale: f64) {
-        let (columns, weights) = row_of(matrix, row);
+        self.add_all(row_of(matrix, row), scale);
+    }
+
+    /// Adds `scale` times a row given by its columns and weights.
+    pub fn add_all(&mut self, (columns, weights): (&[u32], &[f64]), scale: f64) {
         for (&column, &weight) in columns.iter().zip(weights) {
             self.add(column, scale * weight);
         }
     }
 
-    /// Moves the finished row to the end of `part` and clears this one for the next.
-    fn flush(&mut self, part: &mut Part) {
-        self.columns.sort_unstable();
-        let before = part.columns.len();
-        for &column in &self.columns {
-            let c = column as usize;
-            if self.weight[c].abs() > ROUNDING_DUST {
-                part.columns.push(column);
-                part.weights.push(self.weight[c]);
-            }
-            self.weight[c] = 0.0;
-            self.listed[c] = false;
+    /// Hands out the finished row, columns ascending, and clears this one for the next.
+    fn drain(&mut self, mut visit: impl FnMut(u32, f64)) {
+        // Stable: the terms of a column are added in the order in which they came.
+        self.terms.sort_by_key(|&(column, _)| column);
+        for terms in self.terms.chunk_by(|a, b| a.0 == b.0) {
+            let weight: f64 = terms.iter().map(|&(_, weight)| weight).sum();
+            visit(terms[0].0, weight);
         }
-        self.columns.clear();
-        part.row_lengths.push(part.columns.len() - before);
+        self.terms.clear();
     }
 }
 
 /// A run of consecutive finished rows.
 #[derive(Default)]
 struct Part {
-    row_lengths: Vec<usize>,
+    row_ends: Vec<usize>,
     columns: Vec<u32>,
     weights: Vec<f64>,
+}
+
+impl Part {
+    fn push(&mut self, column: u32, weight: f64) {
+        if weight.abs() > ROUNDING_DUST {
+            self.columns.push(column);
+            self.weights.push(weight);
+        }
+    }
+
+    fn end_row(&mut self) {
+        self.row_ends.push(self.columns.len());
+    }
 }
 
 /// Builds a matrix of `shape = (rows, columns)` by calling `fill(i, row)` once for each row `i`.
 ///
 /// Rows are filled in parallel, each by one thread.
 pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) -> Csr {
-    let (rows, columns) = shape;
+    assemble_parts(shape, |rows, part| {
+        let mut row = Row::default();
+        for i in rows {
+            fill(i, &mut row);
+            row.drain(|column, weight| part.push(column, weight));
+            part.end_row();
+        }
+    })
+}
+
+/// Builds a matrix from runs of rows, `fill(rows, part)` each.
+fn assemble_parts(shape: (usize, usize), fill: impl Fn(Range<usize>, &mut Part) + Sync) -> Csr {
+    let rows = shape.0;
     let rows_per_part = (rows / (4 * rayon::current_num_threads())).max(1024);
     let parts: Vec<Part> = (0..rows.div_ceil(rows_per_part))
         .into_par_iter()
         .map(|p| {
-            let range = p * rows_per_part..((p + 1) * rows_per_part).min(rows);
             let mut part = Part::default();
-            let mut row = Row::new(columns);
-            for i in range {
-                fill(i, &mut row);
-                row.flush(&mut part);
-            }
+            fill(p * rows_per_part..((p + 1) * rows_per_part).min(rows), &mut part);
             part
         })
         .collect();
@@ -125,14 +113,58 @@ pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) ->
     let mut indices = Vec::with_capacity(entries);
     let mut data = Vec::with_capacity(entries);
     offsets.push(0);
+    // Each part is dropped once it is copied, so that what is held stays one matrix.
     for part in parts {
-        for length in part.row_lengths {
-            offsets.push(offsets.last().unwrap() + length);
-        }
+        let before = indices.len();
+        offsets.extend(part.row_ends.iter().map(|end| before + end));
         indices.extend_from_slice(&part.columns);
         data.extend_from_slice(&part.weights);
     }
     Csr::new(shape, offsets, indices, data)
+}
+
+/// Builds a matrix whose rows have known lengths: `fill(rows, offsets, columns, weights)` writes a run of rows
+/// straight to their place, row `i` to `offsets[i] - offsets[rows.start] ..`, columns ascending.
+///
+/// `lengths` are those of all rows. Runs are filled in parallel.
+pub fn assemble_in_place(
+    shape: (usize, usize),
+    lengths: impl Iterator<Item = usize>,
+    fill: impl Fn(Range<usize>, &[usize], &mut [u32], &mut [f64]) + Sync,
+) -> Csr {
+    let mut offsets = Vec::with_capacity(shape.0 + 1);
+    offsets.push(0);
+    let mut end = 0;
+    offsets.extend(lengths.map(|length| {
+        end += length;
+        end
+    }));
+    assert_eq!(offsets.len(), shape.0 + 1, "one length for each row");
+    let (mut columns, mut weights) = (vec![0; end], vec![0.0; end]);
+    fill_runs(0..shape.0, &offsets, &mut columns, &mut weights, &fill);
+    Csr::new(shape, offsets, columns, weights)
+}
+
+/// Few enough rows that a run is done at once, many enough that splitting them costs nothing.
+const RUN: usize = 8192;
+
+fn fill_runs(
+    rows: Range<usize>,
+    offsets: &[usize],
+    columns: &mut [u32],
+    weights: &mut [f64],
+    fill: &(impl Fn(Range<usize>, &[usize], &mut [u32], &mut [f64]) + Sync),
+) {
+    if rows.len() <= RUN {
+        return fill(rows, offsets, columns, weights);
+    }
+    let middle = rows.start + (rows.len() / 2).next_multiple_of(RUN);
+    let split = offsets[middle] - offsets[rows.start];
+    let ((c0, c1), (w0, w1)) = (columns.split_at_mut(split), weights.split_at_mut(split));
+    rayon::join(
+        || fill_runs(rows.start..middle, offsets, c0, w0, fill),
+        || fill_runs(middle..rows.end, offsets, c1, w1, fill),
+    );
 }
 
 /// The columns and weights of one row.
@@ -148,24 +180,18 @@ pub fn row_of(matrix: &Csr, row: usize) -> (&[u32], &[f64]) {
 
 /// `sum_j weights[j] * x[columns[j]]`, or `None` for an empty row.
 #[inline]
-pub fn dot<T: Value>((columns, weights): (&[u32], &[f64]), x: &[T]) -> Option<T> {
-    let terms = columns.iter().zip(weights).map(|(&c, &w)| x[c as usize] * w);
+pub fn dot<T: Quantity>((columns, weights): (&[u32], &[f64]), x: &[T]) -> Option<T> {
+    let terms = columns.iter().zip(weights).map(|(&c, &w)| x[c as usize].scale(w));
     terms.reduce(|sum, term| sum + term)
 }
 
 /// `matrix * x`, rows in parallel.
 ///
 /// # Panics
-/// If `x` is not as long as the matrix is wide, or is empty.
-pub fn apply<T: Value>(matrix: &Csr, x: &[T]) -> Vec<T> {
+/// If `x` is not as long as the matrix is wide.
+pub fn apply<T: Quantity>(matrix: &Csr, x: &[T]) -> Vec<T> {
     assert_eq!(matrix.cols(), x.len(), "operator and cochain do not match");
-    let zero = zero(x);
-    (0..matrix.rows()).into_par_iter().map(|i| dot(row_of(matrix, i), x).unwrap_or(zero)).collect()
-}
-
-/// The zero of the value type of `x`: types such as vectors of a run-time length have no constant one.
-pub(crate) fn zero<T: Value>(x: &[T]) -> T {
-    x[0] * 0.0
+    (0..matrix.rows()).into_par_iter().map(|i| dot(row_of(matrix, i), x).unwrap_or(T::zero())).collect()
 }
 
 /// The largest magnitude of an entry of `a - b`, over all entries.
@@ -212,10 +238,29 @@ fn assemble_difference(a: &Csr, b: &Csr) -> Vec<f64> {
 /// If `a` is not as wide as `b` is tall.
 pub fn multiply(a: &Csr, b: &Csr) -> Csr {
     assert_eq!(a.cols(), b.rows(), "matrices that cannot be multiplied");
-    assemble((a.rows(), b.cols()), |i, row| {
-        let (columns, weights) = row_of(a, i);
-        for (&column, &weight) in columns.iter().zip(weights) {
-            row.add_row(b, column as usize, weight);
+    assemble_parts((a.rows(), b.cols()), |rows, part| {
+        // Rows of products have many terms for each column: they are summed in place, not sorted.
+        let (mut sums, mut listed) = (vec![0.0; b.cols()], vec![false; b.cols()]);
+        let mut columns: Vec<u32> = Vec::new();
+        for i in rows {
+            let (a_columns, a_weights) = row_of(a, i);
+            for (&middle, &scale) in a_columns.iter().zip(a_weights) {
+                let (b_columns, b_weights) = row_of(b, middle as usize);
+                for (&column, &weight) in b_columns.iter().zip(b_weights) {
+                    if !listed[column as usize] {
+                        listed[column as usize] = true;
+                        columns.push(column);
+                    }
+                    sums[column as usize] += scale * weight;
+                }
+            }
+            columns.sort_unstable();
+            for column in columns.drain(..) {
+                let sum = std::mem::take(&mut sums[column as usize]);
+                listed[column as usize] = false;
+                part.push(column, sum);
+            }
+            part.end_row();
         }
     })
 }

@@ -1,0 +1,133 @@
+//! The operators as matrices: the rows of regular cells, of known length, are written straight to their place
+//! between those of the exceptions.
+
+use super::refinement::Refinement;
+use crate::scheme::Regular;
+use crate::sparse::{Csr, Exceptions, assemble, assemble_in_place};
+use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, SplitKind};
+
+/// The terms of a row.
+type Terms = Vec<(u32, f64)>;
+
+pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
+    let shape = (r.split.num_children(0), parent.num_vertices());
+    let exceptions = Exceptions::collect(
+        shape,
+        |vertex| r.homotopy.h0.position(vertex).is_some(),
+        |vertex, row| r.add_s0_row(parent, vertex, 1.0, row),
+    );
+    let regular = r.homotopy.regular;
+    let [at_vertex, at_edge] = match regular {
+        Regular::Whitney => [1, 2],
+        Regular::Catmark => [9, 6],
+        Regular::Loop => [7, 4],
+    };
+    let length = |vertex| match r.split.vertex_parent(vertex) {
+        Parent::Vertex(_) => at_vertex,
+        Parent::Edge(_) => at_edge,
+        Parent::Face(f) => parent.face_size(f),
+    };
+    fill(shape, exceptions, length, |vertex, terms| {
+        regular.s0(parent, r.split.vertex_parent(vertex), |v, weight| terms.push((v, weight)));
+    })
+}
+
+pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
+    let shape = (r.split.num_children(1), parent.num_edges());
+    let (regular, kind) = (r.homotopy.regular, r.split.kind());
+    let [even, odd] = match regular {
+        Regular::Whitney => return assemble(shape, |edge, row| r.add_s1_row(parent, edge, 1.0, row)),
+        Regular::Catmark => [6, 4],
+        Regular::Loop => [10, 7],
+    };
+    let exceptions = Exceptions::collect(
+        shape,
+        |edge| r.homotopy.h1.position(edge).is_some(),
+        |edge, row| r.add_s1_row(parent, edge, 1.0, row),
+    );
+    let num_odd = parent.num_corners();
+    let length = |edge| if edge < num_odd { odd } else { even };
+    let continued = |h: HalfEdge| r.continued(h);
+    fill(shape, exceptions, length, |edge, terms| {
+        // Said twice, so that each branch is compiled for its own kind of row.
+        let push = |h: HalfEdge, weight: f64| terms.push((h.edge(), weight * h.sign()));
+        match r.split.edge_parent(edge) {
+            place @ ChildEdge::Odd(_) => regular.s1(parent, kind, place, continued, push),
+            place @ ChildEdge::Even(_) => regular.s1(parent, kind, place, continued, push),
+        }
+    })
+}
+
+pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
+    let shape = (r.split.num_children(2), parent.num_faces());
+    let exceptions = Exceptions::collect(
+        shape,
+        |face| !r.is_regular_face(parent, face),
+        |face, row| r.add_s2_row(parent, face, 1.0, row),
+    );
+    let (regular, kind) = (r.homotopy.regular, r.split.kind());
+    let length = |face: usize| match (regular, kind) {
+        (Regular::Whitney, _) => 1,
+        (_, SplitKind::Triangle) if face % 4 != 3 => 5,
+        _ => 4,
+    };
+    fill(shape, exceptions, length, |face, terms| {
+        regular.s2(parent, &r.split, face, |f, weight| terms.push((f, weight)));
+    })
+}
+
+/// The rows of the exceptions, and for the others what `regular` gives, `length` terms in any order.
+fn fill(
+    shape: (usize, usize),
+    exceptions: Exceptions,
+    length: impl Fn(usize) -> usize,
+    regular: impl Fn(usize, &mut Terms) + Sync,
+) -> Csr {
+    if exceptions.members().len() == shape.0 {
+        return exceptions.into_rows();
+    }
+    let mut members = exceptions.members().iter().enumerate().peekable();
+    let lengths = (0..shape.0).map(|row| match members.next_if(|(_, member)| **member as usize == row) {
+        Some((position, _)) => exceptions.stored(position).0.len(),
+        None => length(row),
+    });
+    assemble_in_place(shape, lengths, |rows, offsets, columns, weights| {
+        let mut terms = Terms::new();
+        let mut members = exceptions.among(rows.clone()).peekable();
+        let base = offsets[rows.start];
+        for row in rows {
+            let place = offsets[row] - base..offsets[row + 1] - base;
+            let (columns, weights) = (&mut columns[place.clone()], &mut weights[place]);
+            match members.next_if(|&position| exceptions.members()[position] as usize == row) {
+                Some(position) => {
+                    let (stored_columns, stored_weights) = exceptions.stored(position);
+                    columns.copy_from_slice(stored_columns);
+                    weights.copy_from_slice(stored_weights);
+                }
+                None => {
+                    terms.clear();
+                    regular(row, &mut terms);
+                    write_sorted(&mut terms, columns, weights);
+                }
+            }
+        }
+    })
+}
+
+/// Rows are short: putting each term where it belongs beats a general sort.
+#[inline]
+fn write_sorted(terms: &mut [(u32, f64)], columns: &mut [u32], weights: &mut [f64]) {
+    assert_eq!(terms.len(), columns.len(), "a regular row of another length");
+    for i in 1..terms.len() {
+        let term = terms[i];
+        let mut at = i;
+        while at > 0 && terms[at - 1].0 > term.0 {
+            terms[at] = terms[at - 1];
+            at -= 1;
+        }
+        terms[at] = term;
+    }
+    for ((column, weight), term) in columns.iter_mut().zip(weights).zip(terms) {
+        (*column, *weight) = *term;
+    }
+}

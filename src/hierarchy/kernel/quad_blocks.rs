@@ -1,0 +1,141 @@
+//! 1-forms on quads that are the children of quads: four at a time.
+//!
+//! The children of a quad are numbered by rule, so the incidence of the level above, four times smaller, tells where
+//! everything is; and what four quads need of their surroundings is fetched once for all of them. In a quad of the
+//! level above, whose corners are `v_i`, midpoints `m_i` (of `v_i -> v_{i+1}`) and centre `p`, write
+//!
+//! ```text
+//! a_i = c(v_i -> m_i)        b_i = c(m_i -> v_{i+1})        o_i = c(p -> m_i)
+//! ```
+//!
+//! and let a prime mark the quad across side `i`, in which that side has number `t`. Then with the sums across an
+//! edge (six times itself, and its parallels) and those over the pair of parallel edges of a child
+//!
+//! ```text
+//! U_i = 6 o_i + b_{i-1} - a_{i+1}        X_i = -(o_i + b_{i-1})        Y_i = o_{i-1} - a_i
+//! ```
+//!
+//! the rows of [`super::quads`] are, for the child at `v_i` towards its four sides, and along the halves of `o_i`,
+//!
+//! ```text
+//! 16 x  (-Y'_{t+1} - 3 X_i,  -X_{i+1} - 3 Y_i,  Y_{i-1} + 3 X_i,  X'_t + 3 Y_i)
+//! 64 x  (U_{i+2} - 3 U_i,  3 U_i - U'_t)
+//! ```
+
+use rayon::prelude::*;
+
+use super::exceptions::Exceptional;
+use super::{BLOCK, Workspace};
+use crate::cochain::Quantity;
+use crate::hierarchy::refinement::{NONE, Refinement};
+use crate::scheme::regular::turn;
+use crate::topology::{HalfEdge, Mesh};
+
+/// `above` is the level above the parent; both are all quads.
+pub fn form1<T: Quantity>(
+    r: &Refinement,
+    above: &Mesh,
+    c: &[T],
+    out: &mut [T],
+    workspace: &mut Workspace<T>,
+    exceptional: &Exceptional<T>,
+) {
+    let (corners, lefts) = (above.corner_half_edges(), above.left_corners());
+    let num_corners = above.num_corners();
+    let (centres, halves) = c.split_at(num_corners);
+
+    // For each half-edge of the level above the sum across its half at its tail, directed to that tail.
+    let across = &mut workspace.edges;
+    across.resize(halves.len(), T::zero());
+    let chunks = across.par_chunks_mut(2 * BLOCK).zip(lefts.par_chunks(2 * BLOCK));
+    chunks.zip(halves.par_chunks(2 * BLOCK)).for_each(|((across, lefts), halves)| {
+        let edges = across.chunks_exact_mut(2).zip(lefts.chunks_exact(2)).zip(halves.chunks_exact(2));
+        for ((across, sides), own) in edges {
+            let (left, right) = (sides[0], sides[1]);
+            if left != NONE.0 && right != NONE.0 {
+                // From the centres to the neighbouring sides, at either end.
+                let tail = centres[turn(left, 3) as usize] + centres[turn(right, 1) as usize];
+                let head = centres[turn(left, 1) as usize] + centres[turn(right, 3) as usize];
+                across[0] = own[0].scale(6.0) + tail;
+                across[1] = own[1].scale(6.0) + head;
+            }
+        }
+    });
+
+    let (odd, even) = out.split_at_mut(4 * num_corners);
+    let (inner, outer) = even.split_at_mut(2 * num_corners);
+    let chunks = odd.par_chunks_mut(16 * BLOCK).zip(inner.par_chunks_mut(8 * BLOCK));
+    chunks.enumerate().for_each(|(i, (odd, inner))| {
+        let first = 4 * BLOCK * i;
+        let faces = corners[first..].chunks_exact(4).zip(centres[first..].chunks_exact(4));
+        for ((odd, inner), (sides, o)) in odd.chunks_exact_mut(16).zip(inner.chunks_exact_mut(8)).zip(faces) {
+            inside(halves, sides, o, odd, inner, |side| {
+                let corner = lefts[side.twin().index()];
+                (corner != NONE.0).then(|| {
+                    let next = corners[turn(corner, 1) as usize];
+                    let previous = corners[turn(corner, 3) as usize];
+                    let a = T::zero() - halves[next.index()];
+                    [a, halves[previous.twin().index()], centres[corner as usize]]
+                })
+            });
+        }
+        exceptional.patch(4 * first, odd);
+        exceptional.patch(4 * num_corners + 2 * first, inner);
+    });
+
+    outer.par_chunks_mut(4 * BLOCK).enumerate().for_each(|(i, out)| {
+        let first = 2 * BLOCK * i;
+        let edges = out.chunks_exact_mut(4).zip(r.continued[first..].chunks_exact(2));
+        for ((out, continued), own) in edges.zip(across[first..].chunks_exact(2)) {
+            for end in 0..2 {
+                let (here, there) = (own[end].scale(3.0), own[1 - end]);
+                out[2 * end] = (there - here).scale(1.0 / 64.0);
+                if continued[end] != NONE {
+                    let beyond = across[continued[end].twin().index()];
+                    out[2 * end + 1] = (here - beyond).scale(1.0 / 64.0);
+                }
+            }
+        }
+        exceptional.patch(6 * num_corners + 2 * first, out);
+    });
+}
+
+/// The child edges inside a quad of the level above: 16 in its four children, 8 halves of those that part them.
+/// `across(side)` is `a'_{t+1}`, `b'_{t-1}` and `o'_t`, if there is a quad.
+#[inline(always)]
+fn inside<T: Quantity>(
+    halves: &[T],
+    sides: &[HalfEdge],
+    o: &[T],
+    odd: &mut [T],
+    inner: &mut [T],
+    across: impl Fn(HalfEdge) -> Option<[T; 3]>,
+) {
+    let (odd, inner) = (&mut odd[..16], &mut inner[..8]);
+    let o = [o[0], o[1], o[2], o[3]];
+    let sides = [sides[0], sides[1], sides[2], sides[3]];
+    let mut a = [T::zero(); 4];
+    let mut b = a;
+    for i in 0..4 {
+        a[i] = T::zero() - halves[sides[i].index()];
+        b[i] = halves[sides[i].twin().index()];
+    }
+    let (mut sum, mut x, mut y) = (a, a, a);
+    for i in 0..4 {
+        let (next, previous) = ((i + 1) % 4, (i + 3) % 4);
+        sum[i] = o[i].scale(6.0) + (b[previous] - a[next]);
+        x[i] = T::zero() - (o[i] + b[previous]);
+        y[i] = o[previous] - a[i];
+    }
+    for i in 0..4 {
+        let (next, behind, previous) = ((i + 1) % 4, (i + 2) % 4, (i + 3) % 4);
+        odd[4 * i + next] = (T::zero() - x[next] - y[i].scale(3.0)).scale(1.0 / 16.0);
+        odd[4 * i + behind] = (y[previous] + x[i].scale(3.0)).scale(1.0 / 16.0);
+        inner[2 * i] = (sum[behind] - sum[i].scale(3.0)).scale(1.0 / 64.0);
+        if let Some([a, b, o]) = across(sides[i]) {
+            odd[4 * i + i] = (a - o - x[i].scale(3.0)).scale(1.0 / 16.0);
+            odd[4 * next + i] = (y[next].scale(3.0) - (o + b)).scale(1.0 / 16.0);
+            inner[2 * i + 1] = (sum[i].scale(3.0) - (o.scale(6.0) + (b - a))).scale(1.0 / 64.0);
+        }
+    }
+}
