@@ -102,8 +102,7 @@ impl Refinement {
 
     /// `S0 = W0 + H0 d0`, `S1 = W1 + d0' H0 + H1 d1`, `S2 = W2 + d1' H1`.
     pub fn operators(&self, parent: &Mesh) -> Operators {
-        let (s0, (s1, s2)) =
-            rayon::join(|| self.s0(parent), || rayon::join(|| self.s1(parent), || self.s2(parent)));
+        let (s0, (s1, s2)) = rayon::join(|| self.s0(parent), || rayon::join(|| self.s1(parent), || self.s2(parent)));
         Operators { s0, s1, s2 }
     }
 

@@ -65,10 +65,8 @@ impl RegularCells {
                 edges: vec![false; mesh.num_edges()],
             };
         }
-        let edges: Vec<bool> = (0..mesh.num_edges() as u32)
-            .into_par_iter()
-            .map(|e| is_regular_edge(kind, mesh, masks, e))
-            .collect();
+        let edges: Vec<bool> =
+            (0..mesh.num_edges() as u32).into_par_iter().map(|e| is_regular_edge(kind, mesh, masks, e)).collect();
         let vertex = |v| is_regular_vertex(kind, mesh, masks, v, valence, &edges);
         let vertices = (0..mesh.num_vertices() as u32).into_par_iter().map(vertex).collect();
         RegularCells { vertices, edges }
@@ -86,8 +84,7 @@ impl RegularCells {
                 sides.iter().all(|&h| edge(h)) && {
                     let [a, b] = sides.map(across);
                     mesh.corner_face(a) != mesh.corner_face(b)
-                        && mesh.corner_vertex(mesh.previous_corner(a))
-                            != mesh.corner_vertex(mesh.previous_corner(b))
+                        && mesh.corner_vertex(mesh.previous_corner(a)) != mesh.corner_vertex(mesh.previous_corner(b))
                 }
             }
         }
@@ -129,9 +126,7 @@ fn is_regular_vertex(
         return false;
     }
     let mut fans = mesh.fans(v);
-    let Some(fan) = fans.next().filter(|fan| fan.cyclic && fan.corners.len() == valence) else {
-        return false;
-    };
+    let Some(fan) = fans.next().filter(|fan| fan.cyclic && fan.corners.len() == valence) else { return false };
     let face = if kind == SplitKind::Quad { 0.0625 } else { 0.0 };
     // The ring: the heads of the spokes and, on quads, the vertices between them.
     let mut ring = [0; 8];
@@ -188,9 +183,7 @@ impl Regular {
                         Regular::Catmark => {
                             whitney::midpoint_to_centre(mesh, corner, |h, weight| visit(h, 0.25 * weight));
                         }
-                        _ => super::loop_::midpoint_to_opposite(mesh, corner, |h, weight| {
-                            visit(h, 0.125 * weight)
-                        }),
+                        _ => super::loop_::midpoint_to_opposite(mesh, corner, |h, weight| visit(h, 0.125 * weight)),
                     }
                 }
             }
@@ -207,9 +200,7 @@ impl Regular {
                 let k = fan.corners.len();
                 // Directed m_e -> v.
                 let terms: &[(usize, f64)] = match self {
-                    Regular::Catmark => {
-                        &[(0, 7.0 / 128.0), (1, 1.0 / 128.0), (2, -1.0 / 128.0), (3, -7.0 / 128.0)]
-                    }
+                    Regular::Catmark => &[(0, 7.0 / 128.0), (1, 1.0 / 128.0), (2, -1.0 / 128.0), (3, -7.0 / 128.0)],
                     _ => &[(0, 3.0 / 32.0), (1, 1.0 / 32.0), (4, -1.0 / 32.0), (5, -3.0 / 32.0)],
                 };
                 for &(j, weight) in terms {

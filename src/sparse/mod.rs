@@ -4,11 +4,11 @@
 //! `S0`, `S1`, `S2`) is a [`Csr`] matrix, filled row by row through [`assemble`]. Rows are independent
 //! of each other, so the result is bitwise the same for any number of threads.
 
-mod exceptions;
 mod quantity;
+mod exceptions;
 
-pub use exceptions::Exceptions;
 pub use quantity::{Quantity, Value};
+pub use exceptions::Exceptions;
 
 use std::ops::Range;
 

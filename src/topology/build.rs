@@ -81,10 +81,7 @@ impl Mesh {
         let first_size = face_offsets.get(1).map_or(0, |&size| size as usize);
         let uniform = face_offsets.windows(2).all(|ends| (ends[1] - ends[0]) as usize == first_size);
         if uniform {
-            corner_face
-                .par_chunks_mut(first_size.max(1))
-                .enumerate()
-                .for_each(|(f, corners)| corners.fill(f as u32));
+            corner_face.par_chunks_mut(first_size.max(1)).enumerate().for_each(|(f, corners)| corners.fill(f as u32));
         } else {
             for (f, ends) in face_offsets.windows(2).enumerate() {
                 corner_face[ends[0] as usize..ends[1] as usize].fill(f as u32);

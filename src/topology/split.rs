@@ -215,9 +215,7 @@ impl Split {
             .collect();
         let faces = 0..self.num_children(2);
         let half_edges: Vec<HalfEdge> = match self.kind {
-            SplitKind::Quad => {
-                faces.into_par_iter().flat_map_iter(|f| self.child_boundary::<4>(parent, f)).collect()
-            }
+            SplitKind::Quad => faces.into_par_iter().flat_map_iter(|f| self.child_boundary::<4>(parent, f)).collect(),
             SplitKind::Triangle => {
                 faces.into_par_iter().flat_map_iter(|f| self.child_boundary::<3>(parent, f)).collect()
             }
@@ -298,9 +296,7 @@ impl Split {
     /// the corners of its faces lie there.
     pub fn describes(&self, parent: &Mesh, child: &Mesh) -> bool {
         (0..3).all(|k| self.num_children(k) == child.num_cells(k))
-            && child.edges().iter().enumerate().all(|(i, &ends)| {
-                ends == self.edge_ends(parent, self.edge_parent(i)).map(|end| self.vertex_of(end))
-            })
+            && child.edges().iter().enumerate().all(|(i, &ends)| ends == self.edge_ends(parent, self.edge_parent(i)).map(|end| self.vertex_of(end)))
             && (0..parent.num_corners() as u32).all(|c| {
                 let e = parent.corner_half_edge(c).edge();
                 let vertices = child.face_vertices(self.face_at(parent, c));

@@ -22,8 +22,7 @@ impl<'a, T: Quantity> Exceptional<'a, T> {
     pub fn new(r: &'a Refinement, parent: &'a Mesh, c: &'a [T]) -> Self {
         let (h0, h1) = (&r.homotopy.h0, &r.homotopy.h1);
         let displace = |i| dot(h0.stored(i), c).unwrap_or(T::zero());
-        let displacement =
-            (0..h0.members().len()).into_par_iter().with_min_len(BLOCK).map(displace).collect();
+        let displacement = (0..h0.members().len()).into_par_iter().with_min_len(BLOCK).map(displace).collect();
         let curl = (h1.members().len() > parent.num_faces()).then(|| d1(parent, c));
         Exceptional { r, parent, c, displacement, curl }
     }

@@ -83,15 +83,13 @@ pub(super) fn form1<T: Quantity>(
             triangle_blocks::form1(above, parent, c, out, workspace, &exceptional)
         }
         (Regular::Catmark, None) => exceptional.fill(0, out),
-        (Regular::Whitney, _) => {
-            out.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(edge, out)| {
-                let mut sum = T::zero();
-                whitney::w1(parent, r.split.kind(), r.split.edge_parent(edge), |h, weight| {
-                    sum = sum + along(c, h).scale(weight);
-                });
-                *out = sum;
-            })
-        }
+        (Regular::Whitney, _) => out.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(edge, out)| {
+            let mut sum = T::zero();
+            whitney::w1(parent, r.split.kind(), r.split.edge_parent(edge), |h, weight| {
+                sum = sum + along(c, h).scale(weight);
+            });
+            *out = sum;
+        }),
     }
 }
 
@@ -112,3 +110,4 @@ pub(super) fn form2<T: Quantity>(r: &Refinement, parent: &Mesh, density: &[T], o
         *out = sum;
     });
 }
+

@@ -40,17 +40,15 @@ pub fn form1<T: Quantity>(
     // For each edge the sum across: six times itself, and its parallels.
     let across = &mut workspace.edges;
     across.resize(num_edges, T::zero());
-    across.par_chunks_mut(BLOCK).zip(lefts.par_chunks(2 * BLOCK)).enumerate().for_each(
-        |(i, (across, lefts))| {
-            for ((sum, sides), &own) in across.iter_mut().zip(lefts.chunks_exact(2)).zip(&c[i * BLOCK..]) {
-                if sides[0] != NONE.0 && sides[1] != NONE.0 {
-                    let left = along(c, corners[turn(sides[0], 2) as usize]);
-                    let right = along(c, corners[turn(sides[1], 2) as usize]);
-                    *sum = own.scale(6.0) + (right - left);
-                }
+    across.par_chunks_mut(BLOCK).zip(lefts.par_chunks(2 * BLOCK)).enumerate().for_each(|(i, (across, lefts))| {
+        for ((sum, sides), &own) in across.iter_mut().zip(lefts.chunks_exact(2)).zip(&c[i * BLOCK..]) {
+            if sides[0] != NONE.0 && sides[1] != NONE.0 {
+                let left = along(c, corners[turn(sides[0], 2) as usize]);
+                let right = along(c, corners[turn(sides[1], 2) as usize]);
+                *sum = own.scale(6.0) + (right - left);
             }
-        },
-    );
+        }
+    });
 
     let (odd, even) = out.split_at_mut(4 * num_faces);
     odd.par_chunks_mut(4 * BLOCK).enumerate().for_each(|(i, out)| {

@@ -126,8 +126,7 @@ fn within<T: Quantity>(k: &Children<T>, first: u32, odd: &mut [T], inner: &mut [
     let b = [k.b(at(0)), k.b(at(1)), k.b(at(2))];
     let o = [k.o(at(0)), k.o(at(1)), k.o(at(2))];
     let zero = T::zero();
-    let (mut d, mut h_inner, mut h_a, mut h_b, mut at_m) =
-        ([zero; 3], [zero; 3], [zero; 3], [zero; 3], [zero; 3]);
+    let (mut d, mut h_inner, mut h_a, mut h_b, mut at_m) = ([zero; 3], [zero; 3], [zero; 3], [zero; 3], [zero; 3]);
     let (mut beyond_a, mut beyond_b) = ([zero; 3], [zero; 3]);
     let mut open = [false; 3];
     for i in 0..3 {

@@ -36,14 +36,12 @@ pub fn form1<T: Quantity>(
     });
     let at_midpoints = &mut workspace.edges;
     at_midpoints.resize(num_edges, T::zero());
-    at_midpoints.par_iter_mut().with_min_len(BLOCK).zip(lefts.par_chunks_exact(2)).for_each(
-        |(out, sides)| {
-            if sides[0] != NONE.0 && sides[1] != NONE.0 {
-                let to_opposite = |corner| value(next(corner)) - value(previous(corner));
-                *out = (to_opposite(sides[0]) + to_opposite(sides[1])).scale(1.0 / 16.0);
-            }
-        },
-    );
+    at_midpoints.par_iter_mut().with_min_len(BLOCK).zip(lefts.par_chunks_exact(2)).for_each(|(out, sides)| {
+        if sides[0] != NONE.0 && sides[1] != NONE.0 {
+            let to_opposite = |corner| value(next(corner)) - value(previous(corner));
+            *out = (to_opposite(sides[0]) + to_opposite(sides[1])).scale(1.0 / 16.0);
+        }
+    });
 
     let (odd, even) = out.split_at_mut(3 * num_faces);
     odd.par_chunks_mut(3 * BLOCK).enumerate().for_each(|(i, out)| {
