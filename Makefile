@@ -1,10 +1,13 @@
+PREFIX = /usr/local
+
 # make demo and make test are all that a newcomer needs; both install what is missing (scripts/setup).
-.PHONY: help demo test bench clean
+.PHONY: help demo test bench lib install clean
 
 help:
 	@echo 'make demo    build, refine a creased cage with a 1-form on it, check d S = S d, draw it'
 	@echo 'make test    every test: Rust, documentation, SciPy reader, examples, memory check'
 	@echo 'make bench   time building and applying the operators, against OpenSubdiv alone'
+	@echo 'make install PREFIX=/usr/local    the C++ API: headers, library, CMake package, pkg-config file'
 	@echo 'make clean   remove what the above made'
 
 demo:
@@ -18,6 +21,13 @@ test:
 bench:
 	@scripts/setup
 	cargo bench
+
+lib:
+	@scripts/setup
+	cargo build --release -p formwork-capi
+
+install:
+	@PREFIX='$(PREFIX)' DESTDIR='$(DESTDIR)' scripts/install
 
 clean:
 	cargo clean

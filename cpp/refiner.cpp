@@ -1,6 +1,7 @@
 #include "cpp/refiner.h"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <stdexcept>
 #include <string>
@@ -11,6 +12,7 @@
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/sdc/scheme.h>
+#include <opensubdiv/version.h>
 
 #include "formwork/src/osd/bridge.rs.h"
 
@@ -25,8 +27,14 @@ namespace {
 // stdout unless replaced. Keep the message, for the thread that caused it.
 thread_local std::string last_message;
 
+// A program that lends its refiner has OpenSubdiv to itself: its callbacks stay.
+std::atomic<bool> callbacks_are_the_hosts{false};
+
 void install_message_callbacks() {
     static std::once_flag once;
+    if (callbacks_are_the_hosts) {
+        return;
+    }
     std::call_once(once, [] {
         Far::SetErrorCallback([](Far::ErrorType, char const *message) { last_message = message; });
         Far::SetWarningCallback([](char const *message) { last_message = message; });
@@ -352,6 +360,15 @@ Sdc::SchemeType scheme_of(std::uint8_t number) {
     }
 }
 
+std::uint8_t scheme_number(Sdc::SchemeType scheme) {
+    switch (scheme) {
+    case Sdc::SCHEME_BILINEAR: return 0;
+    case Sdc::SCHEME_CATMARK: return 1;
+    case Sdc::SCHEME_LOOP: return 2;
+    }
+    throw std::runtime_error("unknown scheme");
+}
+
 Sdc::Options options_of(CageArrays const &cage) {
     Sdc::Options options;
     Sdc::Options::VtxBoundaryInterpolation const boundary[] = {Sdc::Options::VTX_BOUNDARY_NONE,
@@ -399,9 +416,39 @@ std::unique_ptr<Refiner> new_refiner(CageArrays const &cage) {
     return std::make_unique<Refiner>(std::move(refiner));
 }
 
-Refiner::Refiner(std::unique_ptr<Far::TopologyRefiner> refiner) : refiner_(std::move(refiner)) {}
+std::unique_ptr<Refiner> borrow_refiner(FarRefiner const *refiner) {
+    if (!refiner) {
+        throw std::runtime_error("no refiner was given");
+    }
+    callbacks_are_the_hosts = true;
+    return std::make_unique<Refiner>(*refiner);
+}
+
+std::uint32_t opensubdiv_version() { return OPENSUBDIV_VERSION_NUMBER; }
+
+Refiner::Refiner(std::unique_ptr<FarRefiner> refiner) : owned_(std::move(refiner)), refiner_(owned_.get()) {}
+
+Refiner::Refiner(FarRefiner const &refiner) : refiner_(&refiner) {}
+
+Description Refiner::description() const {
+    Sdc::Options options = refiner_->GetSchemeOptions();
+    Far::TopologyRefiner::UniformOptions uniform = refiner_->GetUniformOptions();
+    bool refined = refiner_->GetMaxLevel() > 0;
+    Description out;
+    out.scheme = scheme_number(refiner_->GetSchemeType());
+    out.boundary = static_cast<std::uint8_t>(options.GetVtxBoundaryInterpolation());
+    out.creasing = options.GetCreasingMethod() == Sdc::Options::CREASE_CHAIKIN;
+    out.triangles = options.GetTriangleSubdivision() == Sdc::Options::TRI_SUB_SMOOTH;
+    out.levels = static_cast<std::uint32_t>(refiner_->GetMaxLevel());
+    out.uniform = refiner_->IsUniform();
+    out.faces_first = refined && uniform.orderVerticesFromFacesFirst;
+    return out;
+}
 
 void Refiner::refine_uniform(std::uint32_t levels, bool full_last_level) {
+    if (!owned_) {
+        throw std::runtime_error("this refiner is its owner's to refine");
+    }
     if (levels < 1 || levels > 15) {
         throw std::runtime_error("OpenSubdiv refines 1 to 15 levels");
     }
@@ -410,7 +457,7 @@ void Refiner::refine_uniform(std::uint32_t levels, bool full_last_level) {
     }
     Far::TopologyRefiner::UniformOptions options(static_cast<int>(levels));
     options.fullTopologyInLastLevel = full_last_level;
-    refiner_->RefineUniform(options);
+    owned_->RefineUniform(options);
 }
 
 Far::TopologyLevel Refiner::level(std::uint32_t level, bool with_child) const {

@@ -18,18 +18,28 @@ namespace formwork {
 
 struct CageArrays;
 struct Counts;
+struct Description;
 struct TopologyArrays;
 struct TagArrays;
 struct MaskArrays;
 struct ChildArrays;
 struct Stencils;
 
+// A name without the version number that OpenSubdiv puts in its namespace.
+using FarRefiner = OpenSubdiv::Far::TopologyRefiner;
+
 class Refiner {
 public:
-    explicit Refiner(std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner);
+    // Owns the refiner,
+    explicit Refiner(std::unique_ptr<FarRefiner> refiner);
+    // or reads that of a caller, which outlives this.
+    explicit Refiner(FarRefiner const &refiner);
 
     // With edges and vertex rings on the finest level, or with what refining values needs.
     void refine_uniform(std::uint32_t levels, bool full_last_level);
+
+    // The scheme, its options, and how the refiner was refined.
+    Description description() const;
 
     Counts counts(std::uint32_t level) const;
     void topology(std::uint32_t level, TopologyArrays out) const;
@@ -50,17 +60,21 @@ public:
     // One value a vertex, from level - 1 to level, by OpenSubdiv's primvar refiner.
     void interpolate(std::uint32_t level, rust::Slice<const double> source, rust::Slice<double> out) const;
 
-    OpenSubdiv::Far::TopologyRefiner const &get() const { return *refiner_; }
+    FarRefiner const &get() const { return *refiner_; }
 
 private:
     OpenSubdiv::Far::TopologyLevel level(std::uint32_t level, bool with_child) const;
     // Whether a level has more than what refining values needs: asking for edges where there are none crashes.
     bool has_edges(std::uint32_t level) const;
 
-    std::unique_ptr<OpenSubdiv::Far::TopologyRefiner> refiner_;
+    std::unique_ptr<FarRefiner> owned_; // null if the refiner is a caller's
+    FarRefiner const *refiner_;
 };
 
 std::unique_ptr<Refiner> new_refiner(CageArrays const &cage);
+std::unique_ptr<Refiner> borrow_refiner(FarRefiner const *refiner);
+// OPENSUBDIV_VERSION_NUMBER of the headers that this side was compiled with.
+std::uint32_t opensubdiv_version();
 
 // OpenSubdiv's factorised single-precision table, applied by its CpuEvaluator: the yardstick of the
 // benchmarks.

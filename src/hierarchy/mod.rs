@@ -11,10 +11,10 @@ pub use level::Level;
 pub use refinement::{Operators, Refinement};
 
 use crate::cochain::{Cochain, Quantity};
-use crate::osd::{MAX_LEVELS, OsdError, Refiner};
+use crate::osd::{MAX_LEVELS, OsdError, OsdScheme, Refiner};
 use crate::scheme::{Scheme, SchemeError};
 use crate::sparse::{Csr, multiply};
-use crate::topology::{Cage, Mesh, Split, SplitKind};
+use crate::topology::{Cage, Mesh, Split, SplitKind, TopologyError};
 
 /// A control cage refined a number of times, with the operators between the levels.
 ///
@@ -31,7 +31,7 @@ pub struct Hierarchy {
 }
 
 /// Why a hierarchy cannot be built.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs)] // the messages say what the fields are
 pub enum HierarchyError {
@@ -49,6 +49,12 @@ pub enum HierarchyError {
         "this OpenSubdiv numbers the children of level {level} in an order that formwork does not know: use version 3.5 or 3.6"
     )]
     UnknownNumbering { level: usize },
+    #[error(
+        "the refiner's scheme is {actual:?}, and this scheme of forms goes with {needed:?}: choose another"
+    )]
+    OtherScheme { actual: OsdScheme, needed: OsdScheme },
+    #[error(transparent)]
+    Cage(#[from] TopologyError),
     #[error(transparent)]
     Scheme(#[from] SchemeError),
     #[error(transparent)]
@@ -73,12 +79,40 @@ impl Hierarchy {
         cage: &Cage,
         scheme: Scheme,
         levels: usize,
-        mut progress: impl FnMut(usize),
+        progress: impl FnMut(usize),
     ) -> Result<Self, HierarchyError> {
         let (refiner, kind) = refiner(cage, scheme, levels, false)?;
+        Self::read(cage.clone(), scheme, kind, &refiner, levels, progress)
+    }
+
+    /// All levels of a refiner that somebody else made (see [`Refiner::borrow`]), in its own numbering. It is read
+    /// and not kept.
+    ///
+    /// # Errors
+    /// If its level 0 is not a [`Cage`], the scheme takes another scheme of OpenSubdiv or not this mesh, the
+    /// result would not fit memory, or OpenSubdiv fails.
+    pub fn from_refiner(refiner: &Refiner, scheme: Scheme) -> Result<Self, HierarchyError> {
+        let cage = Cage::new(refiner.descriptor()?)?;
+        let (kind, levels) = (scheme.split(&cage.descriptor().face_sizes)?, refiner.num_levels()?);
+        let (actual, needed) = (refiner.scheme()?, scheme.opensubdiv(kind));
+        if actual != needed {
+            return Err(HierarchyError::OtherScheme { actual, needed });
+        }
+        budget::check(&cage, kind, levels)?;
+        Self::read(cage, scheme, kind, refiner, levels, |_| ())
+    }
+
+    fn read(
+        cage: Cage,
+        scheme: Scheme,
+        kind: SplitKind,
+        refiner: &Refiner,
+        levels: usize,
+        mut progress: impl FnMut(usize),
+    ) -> Result<Self, HierarchyError> {
         let cage_level = Level::cage(refiner.mesh(0)?, refiner.tags(0)?);
         let mut hierarchy =
-            Hierarchy { cage: cage.clone(), scheme, kind, levels: vec![cage_level], refinements: Vec::new() };
+            Hierarchy { cage, scheme, kind, levels: vec![cage_level], refinements: Vec::new() };
         progress(0);
         for l in 1..=levels {
             let parent = hierarchy.finest().shared_mesh().clone();

@@ -2,7 +2,33 @@
 //!
 //! The only file of the crate that may hold `unsafe` code. The C++ side (`cpp/`) checks every level and
 //! every array length itself, so no argument can make it read or write out of bounds; what it cannot
-//! check is a malformed cage, and [`crate::topology::Cage`] has refused those.
+//! check is a malformed cage, and [`crate::topology::Cage`] has refused those, and the pointer that
+//! [`super::Refiner::borrow`] is given.
+
+use std::ffi::c_void;
+
+use super::{BorrowError, Refiner};
+
+impl Refiner {
+    /// Reads the `OpenSubdiv::Far::TopologyRefiner` of a C++ program, which stays its owner. Asking this refiner
+    /// to refine is an error. From the first call on OpenSubdiv's error and warning callbacks are left as the
+    /// program has them.
+    ///
+    /// # Errors
+    /// If the pointer is null, or the refiner was refined adaptively or with face vertices first.
+    ///
+    /// # Safety
+    /// The pointer must be null or point to a refiner of OpenSubdiv [`super::version`], which lives, and is not
+    /// changed, as long as what is returned.
+    pub unsafe fn borrow(refiner: *const c_void) -> Result<Self, BorrowError> {
+        if refiner.is_null() {
+            return Err(BorrowError::Null);
+        }
+        // SAFETY: not null; the rest is the caller's promise.
+        let borrowed = unsafe { ffi::borrow_refiner(refiner.cast()) }.map_err(super::OsdError::from)?;
+        Refiner(borrowed).checked()
+    }
+}
 
 #[cxx::bridge(namespace = "formwork")]
 pub(super) mod ffi {
@@ -30,6 +56,17 @@ pub(super) mod ffi {
         edges: usize,
         faces: usize,
         corners: usize,
+    }
+
+    /// A refiner as it was made.
+    struct Description {
+        scheme: u8,
+        boundary: u8,
+        creasing: bool,
+        triangles: bool,
+        levels: u32,
+        uniform: bool,
+        faces_first: bool,
     }
 
     /// One level's incidence, to be filled in.
@@ -83,8 +120,12 @@ pub(super) mod ffi {
         include!("cpp/bfr.h");
 
         type Refiner;
+        type FarRefiner;
 
+        fn opensubdiv_version() -> u32;
+        unsafe fn borrow_refiner(refiner: *const FarRefiner) -> Result<UniquePtr<Refiner>>;
         fn new_refiner(cage: &CageArrays) -> Result<UniquePtr<Refiner>>;
+        fn description(self: &Refiner) -> Result<Description>;
         fn refine_uniform(self: Pin<&mut Refiner>, levels: u32, full_last_level: bool) -> Result<()>;
         fn counts(self: &Refiner, level: u32) -> Result<Counts>;
         fn topology(self: &Refiner, level: u32, out: TopologyArrays) -> Result<()>;

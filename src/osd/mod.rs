@@ -1,15 +1,17 @@
 //! OpenSubdiv: the authority on topology, numbering, edge directions and 0-form weights.
 //!
-//! A [`Refiner`] owns OpenSubdiv's topology refiner and answers in flat arrays. It is asked for each
+//! A [`Refiner`] owns OpenSubdiv's topology refiner, or reads that of a C++ program, and answers in flat arrays. It is asked for each
 //! level's incidence (as a [`Mesh`]), tags and S0 masks while a hierarchy is built, and for its own
 //! stencils and limits when results are checked against it.
 
 mod bfr;
+mod borrowed;
 #[allow(unsafe_code)]
 mod bridge;
 mod level;
 
 pub use bfr::{BFR_SHARP_LEVEL, BFR_SMOOTH_LEVEL, Bfr};
+pub use borrowed::{BorrowError, version};
 pub use level::{Children, LimitStencils, Masks, OsdScheme, Rule, Rules, Tags};
 
 use bridge::ffi;
@@ -95,6 +97,13 @@ impl Refiner {
     /// If there is no such level, or it is the last of
     /// [`Refiner::refine_uniform_without_last_edges`].
     pub fn mesh(&self, level: usize) -> Result<Mesh, OsdError> {
+        let Incidence { num_vertices, face_sizes, face_vertices, face_edges, edges } =
+            self.incidence(level)?;
+        Mesh::from_arrays(num_vertices, &face_sizes, &face_vertices, &face_edges, edges)
+            .map_err(|error| OsdError(error.to_string()))
+    }
+
+    fn incidence(&self, level: usize) -> Result<Incidence, OsdError> {
         let n = self.0.counts(level as u32)?;
         let mut face_sizes = vec![0; n.faces];
         let mut face_vertices = vec![0; n.corners];
@@ -110,8 +119,7 @@ impl Refiner {
             },
         )?;
         let edges = edge_vertices.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect();
-        Mesh::from_arrays(n.vertices, &face_sizes, &face_vertices, &face_edges, edges)
-            .map_err(|error| OsdError(error.to_string()))
+        Ok(Incidence { num_vertices: n.vertices, face_sizes, face_vertices, face_edges, edges })
     }
 
     /// Sharpness, rules and holes of a level.
@@ -272,6 +280,15 @@ impl Refiner {
     pub fn float_stencil_table(&self) -> Result<FloatStencilTable, OsdError> {
         Ok(FloatStencilTable(ffi::float_stencil_table(&self.0)?))
     }
+}
+
+/// The arrays of one level, as [`Mesh::from_arrays`] takes them.
+struct Incidence {
+    num_vertices: usize,
+    face_sizes: Vec<u32>,
+    face_vertices: Vec<u32>,
+    face_edges: Vec<u32>,
+    edges: Vec<[u32; 2]>,
 }
 
 /// What OpenSubdiv pipelines evaluate today: its stencil table, applied by its `Osd::CpuEvaluator`. The
