@@ -58,6 +58,7 @@ pub mod hierarchy;
 pub mod io;
 pub mod laws;
 pub mod limit;
+pub mod octet;
 pub mod osd;
 pub mod scheme;
 pub mod sparse;
