@@ -17,20 +17,8 @@ pub const OCT_FACES: [[usize; 3]; 8] =
     [[0, 1, 2], [3, 2, 1], [0, 2, 4], [3, 4, 2], [0, 5, 1], [3, 1, 5], [0, 4, 5], [3, 5, 4]];
 
 /// The edges of an octahedron.
-pub const OCT_EDGES: [[usize; 2]; 12] = [
-    [0, 1],
-    [0, 2],
-    [0, 4],
-    [0, 5],
-    [1, 2],
-    [1, 3],
-    [1, 5],
-    [2, 3],
-    [2, 4],
-    [3, 4],
-    [3, 5],
-    [4, 5],
-];
+pub const OCT_EDGES: [[usize; 2]; 12] =
+    [[0, 1], [0, 2], [0, 4], [0, 5], [1, 2], [1, 3], [1, 5], [2, 3], [2, 4], [3, 4], [3, 5], [4, 5]];
 
 /// A triangle together with a side.
 ///
@@ -112,7 +100,8 @@ impl Complex {
     pub fn new(num_vertices: usize, tets: Vec<[u32; 4]>, octs: Vec<[u32; 6]>) -> Result<Self, ComplexError> {
         check_vertices(num_vertices, "cell", 0, &tets)?;
         check_vertices(num_vertices, "cell", tets.len(), &octs)?;
-        let sides = |faces: &'static [[usize; 3]]| move |v: &[u32]| faces.iter().map(|f| f.map(|i| v[i])).collect();
+        let sides =
+            |faces: &'static [[usize; 3]]| move |v: &[u32]| faces.iter().map(|f| f.map(|i| v[i])).collect();
         let of_tets = tets.iter().flat_map(|v| -> Vec<[u32; 3]> { sides(&TET_FACES)(v) });
         let of_octs = octs.iter().flat_map(|v| -> Vec<[u32; 3]> { sides(&OCT_FACES)(v) });
         let triangles = Lookup::distinct(num_vertices, of_tets.chain(of_octs));
@@ -156,7 +145,8 @@ impl Complex {
             Some(t) => Ok(HalfFace::new(t, is_even(triangles[t as usize], side))),
             None => Err(missing("cell", cell, &side, "triangle")),
         };
-        let mut complex = Complex { num_vertices, edges: Vec::new(), triangles: boundaries, ..Default::default() };
+        let mut complex =
+            Complex { num_vertices, edges: Vec::new(), triangles: boundaries, ..Default::default() };
         for (t, v) in tets.iter().enumerate() {
             let mut faces = [HalfFace(0); 4];
             for (face, corners) in faces.iter_mut().zip(TET_FACES) {

@@ -143,7 +143,8 @@ impl Complex {
         let mut needed = 0;
         for _ in 0..levels {
             let [v, e, t, _] = counts;
-            counts = [v + e + octs, 2 * e + 3 * t + 12 * octs, 4 * (t + tets) + 24 * octs, 5 * tets + 14 * octs];
+            counts =
+                [v + e + octs, 2 * e + 3 * t + 12 * octs, 4 * (t + tets) + 24 * octs, 5 * tets + 14 * octs];
             (tets, octs) = (4 * tets + 8 * octs, tets + 6 * octs);
             let bytes = |table: [u128; 4]| -> u128 { (0..4).map(|r| table[r] * counts[r]).sum() };
             needed += bytes(BYTES[0]) + if smooth { bytes(BYTES[1]) } else { 0 };

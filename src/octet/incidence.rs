@@ -7,7 +7,11 @@ pub(super) struct Incidence {
 
 impl Incidence {
     /// `keys(i)` are the keys that item `i` touches.
-    pub fn new<I: Iterator<Item = u32>>(num_keys: usize, num_items: usize, keys: impl Fn(usize) -> I) -> Self {
+    pub fn new<I: Iterator<Item = u32>>(
+        num_keys: usize,
+        num_items: usize,
+        keys: impl Fn(usize) -> I,
+    ) -> Self {
         let mut offsets = vec![0; num_keys + 1];
         for item in 0..num_items {
             keys(item).for_each(|key| offsets[key as usize + 1] += 1);

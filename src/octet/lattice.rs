@@ -55,8 +55,7 @@ pub(super) fn units() -> impl Iterator<Item = Point> + Clone {
 
 /// All points of a cube.
 pub(super) fn points(low: i32, high: i32) -> impl Iterator<Item = Point> + Clone {
-    (low..=high)
-        .flat_map(move |x| (low..=high).flat_map(move |y| (low..=high).map(move |z| [x, y, z])))
+    (low..=high).flat_map(move |x| (low..=high).flat_map(move |y| (low..=high).map(move |z| [x, y, z])))
 }
 
 impl Cell {

@@ -191,7 +191,13 @@ impl Homotopy {
 
     /// Calls `emit(triangle, weight)` for the terms of `K1` at the edge from `corners[0]` to `corners[1]` of a
     /// tetrahedron; false, without a call, where the complex is not like the lattice.
-    pub fn edge_row(&self, ground: &Ground, tet: u32, corners: [u32; 4], mut emit: impl FnMut(u32, f64)) -> bool {
+    pub fn edge_row(
+        &self,
+        ground: &Ground,
+        tet: u32,
+        corners: [u32; 4],
+        mut emit: impl FnMut(u32, f64),
+    ) -> bool {
         let Some(laid) = self.edge.lay(ground, tet, corners) else { return false };
         for &(cell, points, weight) in &self.edge_terms {
             let vertices = points.map(|p| laid.vertices[p]);
@@ -213,7 +219,8 @@ impl Homotopy {
         mut emit: impl FnMut(u32, f64),
     ) -> bool {
         let Some(laid) = self.triangle.lay(ground, tet, corners) else { return false };
-        for ((step, &weight), &cell) in self.triangle.cells.iter().zip(&self.triangle_terms).zip(&laid.cells) {
+        for ((step, &weight), &cell) in self.triangle.cells.iter().zip(&self.triangle_terms).zip(&laid.cells)
+        {
             if weight != 0.0 {
                 // The order in which the complex stores the cell, on the points of the lattice.
                 let own = ground.complex.cell_vertices(cell);

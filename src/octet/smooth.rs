@@ -90,7 +90,8 @@ impl Smoothing {
         };
         let homotopy = Homotopy::get();
         // The star of a vertex in the lattice has fourteen cells, two of each kind at an edge.
-        let regular = |v: u32| !smoothing.on_boundary[0][v as usize] && smoothing.cells_of_vertices.of(v).len() == 14;
+        let regular =
+            |v: u32| !smoothing.on_boundary[0][v as usize] && smoothing.cells_of_vertices.of(v).len() == 14;
         let ground = smoothing.ground(complex);
         let laid_edge = |e: usize| {
             let ends = complex.edges()[e];
@@ -308,9 +309,7 @@ impl Smoothing {
         if self.boundary == Boundary::Fixed {
             return zero;
         }
-        let beside = |e: u32| {
-            self.triangles_of_edges.of(e).iter().copied().filter(|&t| self.is_boundary(t))
-        };
+        let beside = |e: u32| self.triangles_of_edges.of(e).iter().copied().filter(|&t| self.is_boundary(t));
         let (mut total, count) = (zero, beside(e).count() as f64);
         for t in beside(e) {
             let sign = sign_in(complex, t, e);

@@ -5,7 +5,9 @@ use std::array::from_fn;
 
 use rayon::prelude::*;
 
-use super::complex::{Complex, ComplexError, HalfFace, OCT_EDGES, OCT_FACES, TET_EDGES, TET_FACES, check_size};
+use super::complex::{
+    Complex, ComplexError, HalfFace, OCT_EDGES, OCT_FACES, TET_EDGES, TET_FACES, check_size,
+};
 use crate::topology::HalfEdge;
 
 /// What a fine cell is a child of, and which child: the order below is that of the numbering.
@@ -240,13 +242,16 @@ impl Complex {
         let (octs_of_tets, octs_of_octs) = octs.split_at_mut(num_tets);
         let (oct_faces_of_tets, oct_faces_of_octs) = oct_faces.split_at_mut(num_tets);
 
-        let tets_and_faces = tets_of_tets.par_chunks_exact_mut(4).zip(tet_faces_of_tets.par_chunks_exact_mut(4));
+        let tets_and_faces =
+            tets_of_tets.par_chunks_exact_mut(4).zip(tet_faces_of_tets.par_chunks_exact_mut(4));
         let of_tets = tets_and_faces.zip(octs_of_tets.par_iter_mut().zip(oct_faces_of_tets)).enumerate();
         of_tets.for_each(|(t, ((tets, tet_faces), (oct, oct_faces)))| {
             let (v, faces) = (&self.tets[t], &self.tet_faces[t]);
             let cut = |i: usize, outward| HalfFace::new((cuts + 4 * t + i) as u32, outward);
-            let [m01, m02, m03, m12, m13, m23] = TET_EDGES.map(|[i, j]| self.midpoint(self.tet_edge(t, i, j)));
-            let m = [[v[0], m01, m02, m03], [m01, v[1], m12, m13], [m02, m12, v[2], m23], [m03, m13, m23, v[3]]];
+            let [m01, m02, m03, m12, m13, m23] =
+                TET_EDGES.map(|[i, j]| self.midpoint(self.tet_edge(t, i, j)));
+            let m =
+                [[v[0], m01, m02, m03], [m01, v[1], m12, m13], [m02, m12, v[2], m23], [m03, m13, m23, v[3]]];
             tets.copy_from_slice(&m);
             for (i, tet_faces) in tet_faces.iter_mut().enumerate() {
                 let side = |k: usize| if k == i { cut(i, true) } else { corner(faces[k], v[i]) };
@@ -259,33 +264,39 @@ impl Complex {
             });
         });
 
-        let tets_and_faces = tets_of_octs.par_chunks_exact_mut(8).zip(tet_faces_of_octs.par_chunks_exact_mut(8));
-        let octs_and_faces = octs_of_octs.par_chunks_exact_mut(6).zip(oct_faces_of_octs.par_chunks_exact_mut(6));
-        tets_and_faces.zip(octs_and_faces).enumerate().for_each(|(o, ((tets, tet_faces), (octs, oct_faces)))| {
-            let (v, faces, g) = (&self.octs[o], &self.oct_faces[o], self.centroid(o));
-            let m = |i: usize, j: usize| self.midpoint(self.oct_edge(o, i, j));
-            let inside = |f: usize, s: usize, outward| HalfFace::new((inner + 24 * o + 3 * f + s) as u32, outward);
-            for (f, (tet, sides)) in tets.iter_mut().zip(tet_faces).enumerate() {
-                let [a, b, c] = OCT_FACES[f];
-                *tet = [g, m(b, c), m(c, a), m(a, b)];
-                *sides = [middle(faces[f]), inside(f, 0, false), inside(f, 1, false), inside(f, 2, false)];
-            }
-            for (i, (oct, sides)) in octs.iter_mut().zip(oct_faces).enumerate() {
-                let axis = i % 3;
-                let vertex = |j: usize| match j {
-                    _ if j == i => v[i],
-                    _ if j % 3 == axis => g,
-                    _ => m(i, j),
-                };
-                let side = |f: usize| {
-                    let own = (f >> axis & 1 == 1) == (i >= 3);
-                    let f = if own { f } else { f ^ (1 << axis) };
-                    let s = OCT_FACES[f].iter().position(|&j| j == i).unwrap_or(0);
-                    if own { corner(faces[f], v[i]) } else { inside(f, s, true) }
-                };
-                (*oct, *sides) = (from_fn(vertex), from_fn(side));
-            }
-        });
+        let tets_and_faces =
+            tets_of_octs.par_chunks_exact_mut(8).zip(tet_faces_of_octs.par_chunks_exact_mut(8));
+        let octs_and_faces =
+            octs_of_octs.par_chunks_exact_mut(6).zip(oct_faces_of_octs.par_chunks_exact_mut(6));
+        tets_and_faces.zip(octs_and_faces).enumerate().for_each(
+            |(o, ((tets, tet_faces), (octs, oct_faces)))| {
+                let (v, faces, g) = (&self.octs[o], &self.oct_faces[o], self.centroid(o));
+                let m = |i: usize, j: usize| self.midpoint(self.oct_edge(o, i, j));
+                let inside =
+                    |f: usize, s: usize, outward| HalfFace::new((inner + 24 * o + 3 * f + s) as u32, outward);
+                for (f, (tet, sides)) in tets.iter_mut().zip(tet_faces).enumerate() {
+                    let [a, b, c] = OCT_FACES[f];
+                    *tet = [g, m(b, c), m(c, a), m(a, b)];
+                    *sides =
+                        [middle(faces[f]), inside(f, 0, false), inside(f, 1, false), inside(f, 2, false)];
+                }
+                for (i, (oct, sides)) in octs.iter_mut().zip(oct_faces).enumerate() {
+                    let axis = i % 3;
+                    let vertex = |j: usize| match j {
+                        _ if j == i => v[i],
+                        _ if j % 3 == axis => g,
+                        _ => m(i, j),
+                    };
+                    let side = |f: usize| {
+                        let own = (f >> axis & 1 == 1) == (i >= 3);
+                        let f = if own { f } else { f ^ (1 << axis) };
+                        let s = OCT_FACES[f].iter().position(|&j| j == i).unwrap_or(0);
+                        if own { corner(faces[f], v[i]) } else { inside(f, s, true) }
+                    };
+                    (*oct, *sides) = (from_fn(vertex), from_fn(side));
+                }
+            },
+        );
         (tets, octs, tet_faces, oct_faces)
     }
 }

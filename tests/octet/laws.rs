@@ -1,25 +1,12 @@
-//! Octet subdivision: the split, the schemes and their laws.
+//! The split, and `d S = S d`.
 
-mod common;
-mod volumes;
-
-use common::random;
-use formwork::cochain::{Cochain, Differential};
+use formwork::cochain::Cochain;
 use formwork::octet::{Boundary, Complex, Hierarchy, Linear, Scheme};
 use formwork::sparse::{max_difference, multiply};
-use volumes::{PARAMETERS, delaunay, zoo};
 
-/// What exact laws are held to: weights of order 1, rows of a few terms.
-const EXACT: f64 = 1e-15;
-
-fn norm(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |norm, x| norm.max(x.abs()))
-}
-
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    a.iter().zip(b).fold(0.0, |worst, (a, b)| worst.max((a - b).abs()))
-}
+use super::common::random;
+use super::volumes::{PARAMETERS, delaunay, zoo};
+use super::{EXACT, difference};
 
 #[test]
 fn d_d_is_zero() {
@@ -90,11 +77,8 @@ fn the_linear_schemes_commute() {
 fn assert_commutes(name: &str, complex: &Complex, scheme: Scheme, levels: usize, worst: &mut f64) {
     let hierarchy = Hierarchy::new(complex.clone(), scheme, levels).unwrap();
     let values = |r: usize| random(complex.num_cells(r), 17 + r as u64);
-    let mut chains = (
-        Cochain::<0>::new(values(0)),
-        Cochain::<1>::new(values(1)),
-        Cochain::<2>::new(values(2)),
-    );
+    let mut chains =
+        (Cochain::<0>::new(values(0)), Cochain::<1>::new(values(1)), Cochain::<2>::new(values(2)));
     let mut derived = (
         chains.0.exterior_derivative(complex),
         chains.1.exterior_derivative(complex),

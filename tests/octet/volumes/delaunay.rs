@@ -14,7 +14,8 @@ pub fn tetrahedra(points: &[Vector3<f64>]) -> Vec<[u32; 4]> {
     let holds = |tet: &[usize; 4], p: Vector3<f64>| {
         let [a, b, c, d] = tet.map(|v| all[v]);
         let m = Matrix3::from_rows(&[(b - a).transpose(), (c - a).transpose(), (d - a).transpose()]);
-        let right = Vector3::new((b - a).norm_squared(), (c - a).norm_squared(), (d - a).norm_squared()) / 2.0;
+        let right =
+            Vector3::new((b - a).norm_squared(), (c - a).norm_squared(), (d - a).norm_squared()) / 2.0;
         let centre = m.lu().solve(&right).expect("points in general position");
         (p - a - centre).norm_squared() < centre.norm_squared()
     };

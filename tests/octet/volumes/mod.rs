@@ -9,7 +9,7 @@ use formwork::cochain::Cochain;
 use formwork::nalgebra::Vector3;
 use formwork::octet::Complex;
 
-use crate::common::random;
+use super::common::random;
 
 /// The parameters that are tried: the default, both ends of the thesis' range and of the true one, and one beyond.
 pub const PARAMETERS: [f64; 6] = [-5.0, -7.0, -6.9, 0.0, 1.0, 3.5];
@@ -49,7 +49,13 @@ impl Solid {
             .into_iter()
             .map(|t| {
                 let [a, b, c] = old.triangle_vertices(t as u32).map(|v| to[v as usize]);
-                if flip[t] < -0.5 { [b, c, a] } else if flip[t] < 0.5 { [b, a, c] } else { [c, a, b] }
+                if flip[t] < -0.5 {
+                    [b, c, a]
+                } else if flip[t] < 0.5 {
+                    [b, a, c]
+                } else {
+                    [c, a, b]
+                }
             })
             .collect();
         let flip = random(old.num_cells(3), 6);
@@ -62,7 +68,8 @@ impl Solid {
             if flip[old.tets().len() + o] < 0.0 { [e, f, a, b, c, d] } else { [b, d, f, e, a, c] }
         });
         let complex =
-            Complex::with_sides(from.len(), edges.collect(), &triangles, tets.collect(), octs.collect()).unwrap();
+            Complex::with_sides(from.len(), edges.collect(), &triangles, tets.collect(), octs.collect())
+                .unwrap();
         let positions = Cochain::new(from.iter().map(|&v| self.positions[v]).collect());
         Solid { name: format!("{}, scrambled", self.name), complex, positions }
     }
@@ -89,7 +96,8 @@ pub fn oct() -> Solid {
 /// An affine image of the regular octahedron.
 pub fn affine_oct() -> Solid {
     let a = random(12, 3);
-    let map = |p: [f64; 3]| Vector3::from_fn(|i, _| a[9 + i] + (0..3).map(|k| a[3 * i + k] * p[k]).sum::<f64>());
+    let map =
+        |p: [f64; 3]| Vector3::from_fn(|i, _| a[9 + i] + (0..3).map(|k| a[3 * i + k] * p[k]).sum::<f64>());
     Solid::new("affine octahedron", UNITS.map(map).to_vec(), vec![], vec![[0, 1, 2, 3, 4, 5]])
 }
 
@@ -133,7 +141,8 @@ pub fn lattice(size: i32, periodic: bool) -> Solid {
                     tets.push([a, b, c, d]);
                 }
                 let units = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]];
-                if let ([Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)], false) = (units.map(at), even) {
+                if let ([Some(a), Some(b), Some(c), Some(d), Some(e), Some(f)], false) = (units.map(at), even)
+                {
                     octs.push([a, b, c, d, e, f]);
                 }
             }
@@ -158,9 +167,10 @@ pub fn stella() -> Solid {
 /// Two octahedra that share a face.
 pub fn two_octs() -> Solid {
     let mut points = UNITS.to_vec();
-    points.extend([[2. / 3., 2. / 3., -1. / 3.], [-1. / 3., 2. / 3., 2. / 3.], [2. / 3., -1. / 3., 2. / 3.]].map(
-        |p: [f64; 3]| p.map(|x| x + 2. / 3.),
-    ));
+    points.extend(
+        [[2. / 3., 2. / 3., -1. / 3.], [-1. / 3., 2. / 3., 2. / 3.], [2. / 3., -1. / 3., 2. / 3.]]
+            .map(|p: [f64; 3]| p.map(|x| x + 2. / 3.)),
+    );
     Solid::new("two octahedra", moved(&points, 0.1, 6), vec![], vec![[0, 1, 2, 3, 4, 5], [0, 1, 2, 7, 8, 6]])
 }
 
