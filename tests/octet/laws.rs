@@ -118,6 +118,13 @@ fn refined_values_commute() {
             assert_commutes(&solid.name, &solid.complex, scheme, levels, &mut worst);
         }
     }
+    // A thousand tetrahedra of random points, three levels.
+    let solid = delaunay(190, 11);
+    for (solid, c) in [(solid.scrambled(3), -6.9), (solid, -5.0)] {
+        assert!(solid.complex.num_cells(3) >= 1000);
+        let scheme = Scheme { linear: Linear { c }, smoothing: None };
+        assert_commutes(&solid.name, &solid.complex, scheme, 3, &mut worst);
+    }
     println!("worst deviation: {worst:.1e}");
 }
 
@@ -131,5 +138,8 @@ fn smooth_schemes_commute() {
             assert_commutes(&solid.name, &solid.complex, scheme, levels, &mut worst);
         }
     }
+    let (solid, scheme) =
+        (delaunay(190, 11), Scheme { smoothing: Some(Boundary::Loop), ..Scheme::default() });
+    assert_commutes(&solid.name, &solid.complex, scheme, 1, &mut worst);
     println!("worst deviation: {worst:.1e}");
 }

@@ -74,7 +74,7 @@ pub fn run(args: &SliceVolume) -> Result<Outcome, Failure> {
     })?;
     bar.set_message("drawing ");
     let positions = hierarchy.subdivide(&solid.positions);
-    let plane = plane(args, &positions);
+    let plane = plane(args, &positions, &solid.positions);
     let sampler = Sampler::new(hierarchy.finest(), &positions);
     let amount = |amount: f64| Sample { amount, direction: Vector2::zeros() };
     let vector = |v: Vec3| Sample {
@@ -132,7 +132,8 @@ fn refined<const K: usize>(hierarchy: &Hierarchy, form: Option<Cochain<K>>) -> C
     hierarchy.subdivide(&form.unwrap_or_default())
 }
 
-fn plane(args: &SliceVolume, positions: &Cochain<0, Vec3>) -> Plane {
+/// Through the refined solid, wide enough for the control mesh too.
+fn plane(args: &SliceVolume, positions: &Cochain<0, Vec3>, control: &Cochain<0, Vec3>) -> Plane {
     let normal = Vec3::from(args.normal).normalize();
     let points = || positions.values().iter().copied();
     let low = points().reduce(|a, b| a.inf(&b)).unwrap_or_default();
@@ -146,7 +147,8 @@ fn plane(args: &SliceVolume, positions: &Cochain<0, Vec3>) -> Plane {
     let across = up.cross(&normal);
     let middle = (low + high) / 2.0;
     let centre = middle + normal * (bottom + args.at * (top - bottom) - normal.dot(&middle));
-    let reach = |axis: Vec3| points().map(|p| axis.dot(&(p - centre)).abs()).fold(0.0, f64::max);
+    let all = || points().chain(control.values().iter().copied());
+    let reach = |axis: Vec3| all().map(|p| axis.dot(&(p - centre)).abs()).fold(0.0, f64::max);
     let half = reach(across).max(reach(up)).max(f64::MIN_POSITIVE) * 1.05;
     Plane { centre, normal, across, up, pixel: 2.0 * half / f64::from(args.size), size: args.size }
 }
