@@ -307,12 +307,12 @@ mod tests {
         let message = |text: &str| parse("a.msh", text.into()).unwrap_err().to_string();
         for (from, to, words) in [
             ("4.1 0 8", "3.0 0 8", "write it as version 4.1 or 2.2"),
-            ("1 1 2 3 4\n", "1 1 2 3 9\n", "line 25: element 1 names node 9, which is not there"),
+            ("1 1 2 3 4\n", "1 1 2 3 9\n", "line 23: element 1 names node 9, which is not there"),
             ("3 1 4 1", "3 1 5 1", "mesh it with tetrahedra"),
             ("3 1 4 1", "3 1 11 1", "mesh it with order 1"),
             ("3 1 4 1", "3 1 4 77777777", "announced"),
             ("0 0 1\n", "0 nan 1\n", "not finite"),
-            ("0 0 1\n", "0 zero 1\n", "line 13: `zero` is not the number"),
+            ("0 0 1\n", "0 zero 1\n", "line 12: `zero` is not the number"),
             ("$Elements", "$Elefants", "no end"),
         ] {
             let text = SMALL.replacen(from, to, 1);
