@@ -461,6 +461,97 @@ def Xform "Scene" (
 """
 
 
+def ball():
+    """A ball: a grid of 4 x 4 x 4 cubes of six tetrahedra each, its square shells drawn in to spheres."""
+    size = 4
+    number, points, tets = {}, [], []
+    for key in [(i, j, k) for i in range(size + 1) for j in range(size + 1) for k in range(size + 1)]:
+        p = [2 * x / size - 1 for x in key]
+        shell, radius = max(map(abs, p)), math.hypot(*p)
+        number[key] = len(points)
+        points.append([round(x * shell / radius, 5) + 0.0 if radius else 0.0 for x in p])
+    for corner in [(i, j, k) for i in range(size) for j in range(size) for k in range(size)]:
+        # From one corner of the cube to the opposite one along three sides, in six orders.
+        for order in ((0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)):
+            path, at = [number[corner]], list(corner)
+            for axis in order:
+                at[axis] += 1
+                path.append(number[tuple(at)])
+            if order in ((0, 2, 1), (2, 1, 0), (1, 0, 2)):
+                path[2], path[3] = path[3], path[2]
+            tets.append(path)
+    return points, tets
+
+
+def msh(points, tets):
+    """Gmsh 4.1, as text."""
+    n = len(points)
+    lines = ["$MeshFormat", "4.1 0 8", "$EndMeshFormat", "$Nodes", f"1 {n} 1 {n}", f"3 1 0 {n}"]
+    lines += [str(i + 1) for i in range(n)]
+    lines += [" ".join(f"{x:g}" for x in p) for p in points]
+    m = len(tets)
+    lines += ["$EndNodes", "$Elements", f"1 {m} 1 {m}", f"3 1 4 {m}"]
+    lines += [" ".join(str(x) for x in [i + 1] + [v + 1 for v in tet]) for i, tet in enumerate(tets)]
+    return "\n".join(lines + ["$EndElements"]) + "\n"
+
+
+def vortices(x, y, z):
+    """Two vortices about leaning axes, one either way round, and a flow along the first axis."""
+    u, v = x - 0.4, x + 0.4
+    a, b = math.exp(-3 * (u * u + y * y)), math.exp(-3 * (v * v + y * y))
+    return 0.2 - 3 * y * (a - b), 3 * (u * a - v * b), 0.8 * a + 0.3 * math.sin(3 * z)
+
+
+def ball_field():
+    points, tets = ball()
+    edges = sorted({tuple(sorted((a, b))) for tet in tets for a in tet for b in tet if a != b})
+    entries = []
+    for a, b in edges:
+        middle = [(p + q) / 2 for p, q in zip(points[a], points[b])]
+        value = sum(f * (q - p) for f, p, q in zip(vortices(*middle), points[a], points[b]))
+        entries.append(f"[{a}, {b}, {round(value, 6) + 0.0:g}]")
+    rows = [", ".join(entries[i : i + 6]) for i in range(0, len(entries), 6)]
+    return '{\n"edges": [\n  ' + ",\n  ".join(rows) + "\n]\n}\n"
+
+
+def octets():
+    """The lattice cells of a cube, 2 x 2 x 2: octahedra as pairs of pyramids, with a 0-form and a 3-form."""
+    size = 2
+    keys = [(i, j, k) for i in range(size + 1) for j in range(size + 1) for k in range(size + 1)]
+    keys = [key for key in keys if sum(key) % 2 == 0]
+    number = {key: i for i, key in enumerate(keys)}
+    tets, pyramids = [], []
+    for x, y, z in [(i, j, k) for i in range(size) for j in range(size) for k in range(size)]:
+        even = [(0, 0, 0), (1, 1, 0), (0, 1, 1), (1, 0, 1)]
+        odd = [(1, 1, 1), (0, 0, 1), (0, 1, 0), (1, 0, 0)]
+        corners = even if (x + y + z) % 2 == 0 else odd
+        tets.append([number[x + a, y + b, z + c] for a, b, c in corners])
+    steps = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (-1, 0, 0), (0, -1, 0), (0, 0, -1)]
+    for x, y, z in [(i, j, k) for i in range(size + 1) for j in range(size + 1) for k in range(size + 1)]:
+        around = [(x + a, y + b, z + c) for a, b, c in steps]
+        if (x + y + z) % 2 and all(key in number for key in around):
+            a, b, c, d, e, f = (number[key] for key in around)
+            pyramids += [[a, b, d, e, c], [e, d, b, a, f]]
+    cells = tets + pyramids
+    ends = [sum(len(cell) for cell in cells[: i + 1]) for i in range(len(cells))]
+    array = lambda kind, name, parts, values: (
+        f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{parts}" format="ascii">\n'
+        + " ".join(values)
+        + "\n</DataArray>"
+    )
+    form0 = [f"{math.sin(1 + 2 * x + 3 * y - z):.4f}" for x, y, z in keys]
+    form3 = [f"{math.cos(i):.4f}" for i in range(len(cells))]
+    lines = ['<?xml version="1.0"?>', '<VTKFile type="UnstructuredGrid" version="0.1" byte_order="LittleEndian">']
+    lines += ["<UnstructuredGrid>", f'<Piece NumberOfPoints="{len(keys)}" NumberOfCells="{len(cells)}">']
+    lines += ["<Points>", array("Float64", "Points", 3, [str(x) for key in keys for x in key]), "</Points>"]
+    lines += ["<Cells>", array("Int64", "connectivity", 1, [str(v) for cell in cells for v in cell])]
+    lines += [array("Int64", "offsets", 1, [str(end) for end in ends])]
+    lines += [array("UInt8", "types", 1, ["10"] * len(tets) + ["14"] * len(pyramids)), "</Cells>"]
+    lines += ["<PointData>", array("Float64", "form0", 1, form0), "</PointData>"]
+    lines += ["<CellData>", array("Float64", "form3", 1, form3), "</CellData>"]
+    return "\n".join(lines + ["</Piece>", "</UnstructuredGrid>", "</VTKFile>"]) + "\n"
+
+
 def files():
     box, plate = creased_box(), genus2()
     return {
@@ -474,6 +565,9 @@ def files():
         "torus.obj": torus().obj(),
         "gem.obj": gem().obj(),
         "scene.usda": scene(),
+        "ball.msh": msh(*ball()),
+        "ball.field.json": ball_field(),
+        "octets.vtu": octets(),
     }
 
 

@@ -1,4 +1,4 @@
-//! Cochains: one value for each vertex, oriented edge or oriented face, with the degree in the type.
+//! Cochains: one value for each vertex, oriented edge, oriented face or oriented cell, with the degree in the type.
 
 use std::ops::{Index, IndexMut};
 
@@ -7,11 +7,12 @@ use rayon::prelude::*;
 pub use crate::sparse::{Quantity, Value};
 use crate::topology::{HalfEdge, Mesh};
 
-/// A `K`-cochain: values on vertices (`K = 0`), oriented edges (`K = 1`) or oriented faces (`K = 2`).
+/// A `K`-cochain: values on vertices (`K = 0`), oriented edges (`K = 1`), oriented faces (`K = 2`) or, in a
+/// solid, oriented cells (`K = 3`).
 ///
 /// A 1-cochain holds the circulation of a 1-form along each edge, in the direction of the edge; a
-/// 2-cochain the flux through each face, positive for the counter-clockwise side. Reversing an edge or a
-/// face flips the sign. Units: a 1-form in units U per length has circulations in U; nothing else is
+/// 2-cochain the flux through each face, positive for the counter-clockwise side; a 3-cochain the integral over
+/// each cell. Reversing an edge, a face or a cell flips the sign. Units: a 1-form in units U per length has circulations in U; nothing else is
 /// assumed. Positions are the 0-cochain `Cochain<0, Vector3<f64>>`.
 ///
 /// Cochains of different degrees do not mix:
@@ -100,15 +101,37 @@ impl<const K: usize, T: Quantity> std::ops::Mul<f64> for Cochain<K, T> {
     }
 }
 
+/// A complex whose `K`-cochains have an exterior derivative. A surface has it for `K` = 0 and 1, a solid for
+/// `K` = 0, 1 and 2; of the rest the compiler knows that there is none.
+pub trait Differential<const K: usize> {
+    /// `d_K c`: for each (K+1)-cell the sum of `c` over its boundary, with signs.
+    ///
+    /// # Panics
+    /// If there is not one value for each `K`-cell.
+    fn derive<T: Quantity>(&self, c: &[T]) -> Vec<T>;
+}
+
+impl Differential<0> for Mesh {
+    fn derive<T: Quantity>(&self, x: &[T]) -> Vec<T> {
+        assert_eq!(x.len(), self.num_vertices(), "a 0-cochain of another mesh");
+        d0(self.edges(), x)
+    }
+}
+
+impl Differential<1> for Mesh {
+    fn derive<T: Quantity>(&self, c: &[T]) -> Vec<T> {
+        assert_eq!(c.len(), self.num_edges(), "a 1-cochain of another mesh");
+        d1(self, c)
+    }
+}
+
 impl<T: Quantity> Cochain<0, T> {
     /// The exterior derivative `d0 x`: `(d0 x)(a -> b) = x_b - x_a`.
     ///
     /// # Panics
-    /// If the cochain does not belong to a mesh of this many vertices.
-    pub fn exterior_derivative(&self, mesh: &Mesh) -> Cochain<1, T> {
-        assert_eq!(self.len(), mesh.num_vertices(), "a 0-cochain of another mesh");
-        let x = &self.values;
-        Cochain::new(mesh.edges().par_iter().map(|&[a, b]| x[b as usize] - x[a as usize]).collect())
+    /// If the cochain does not belong to a complex of this many vertices.
+    pub fn exterior_derivative(&self, complex: &impl Differential<0>) -> Cochain<1, T> {
+        Cochain::new(complex.derive(&self.values))
     }
 }
 
@@ -122,11 +145,25 @@ impl<T: Quantity> Cochain<1, T> {
     /// The exterior derivative `d1 c`: the sum of `c` round each face, counter-clockwise.
     ///
     /// # Panics
-    /// If the cochain does not belong to a mesh of this many edges.
-    pub fn exterior_derivative(&self, mesh: &Mesh) -> Cochain<2, T> {
-        assert_eq!(self.len(), mesh.num_edges(), "a 1-cochain of another mesh");
-        Cochain::new(d1(mesh, &self.values))
+    /// If the cochain does not belong to a complex of this many edges.
+    pub fn exterior_derivative(&self, complex: &impl Differential<1>) -> Cochain<2, T> {
+        Cochain::new(complex.derive(&self.values))
     }
+}
+
+impl<T: Quantity> Cochain<2, T> {
+    /// The exterior derivative `d2 c` in a solid: the flux of `c` out of each cell.
+    ///
+    /// # Panics
+    /// If the cochain does not belong to a complex of this many faces.
+    pub fn exterior_derivative(&self, complex: &impl Differential<2>) -> Cochain<3, T> {
+        Cochain::new(complex.derive(&self.values))
+    }
+}
+
+/// `d0 x` on these edges.
+pub(crate) fn d0<T: Quantity>(edges: &[[u32; 2]], x: &[T]) -> Vec<T> {
+    edges.par_iter().map(|&[a, b]| x[b as usize] - x[a as usize]).collect()
 }
 
 /// `c_h`, the entry of a 1-cochain along a half-edge.

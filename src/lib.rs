@@ -46,8 +46,10 @@
 //! A [`limit::Limit`] says what a cochain becomes in the limit of refinement, and a [`limit::LimitSurface`] evaluates it,
 //! and the surface, at points.
 //!
+//! In space, [`octet`] does the same for 0-, 1-, 2- and 3-forms on tetrahedra and octahedra.
+//!
 //! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
-//! `scheme`; `hierarchy`; `limit`; `laws`. `ARCHITECTURE.md` draws them.
+//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`. `ARCHITECTURE.md` draws them.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
@@ -58,6 +60,7 @@ pub mod hierarchy;
 pub mod io;
 pub mod laws;
 pub mod limit;
+pub mod octet;
 pub mod osd;
 pub mod scheme;
 pub mod sparse;

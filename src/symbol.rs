@@ -1,4 +1,5 @@
-//! The regular subdivision schemes as symbols: exact rational Laurent polynomials in `z1, z2`.
+//! The regular subdivision schemes as symbols: exact rational Laurent polynomials in `z1, z2` (those in space are
+//! in [`crate::octet::regular`]).
 //!
 //! On the regular lattice a cochain with values `c_j(q)` on the cells of type `j` at position `q` has
 //! the generating functions `c_j(z) = sum_q c_j(q) z^q`. A scheme `S` is a matrix of Laurent polynomials,
@@ -48,6 +49,31 @@ pub type Rational = Ratio<i64>;
 /// A point of the lattice, and the exponent of a monomial `z1^i z2^j`.
 pub type Position = (i32, i32);
 
+/// A point of a lattice in space, and the exponent of a monomial `z1^i z2^j z3^k`.
+pub type Position3 = (i32, i32, i32);
+
+/// What the exponent of a monomial may be: a point of a lattice in any dimension.
+pub trait Exponent: Copy + Ord + std::fmt::Debug {
+    /// The exponent of 1.
+    const ORIGIN: Self;
+    /// The exponent of a product.
+    fn plus(self, other: Self) -> Self;
+}
+
+impl Exponent for Position {
+    const ORIGIN: Self = (0, 0);
+    fn plus(self, other: Self) -> Self {
+        plus(self, other)
+    }
+}
+
+impl Exponent for Position3 {
+    const ORIGIN: Self = (0, 0, 0);
+    fn plus(self, other: Self) -> Self {
+        (self.0 + other.0, self.1 + other.1, self.2 + other.2)
+    }
+}
+
 const HALF: Rational = Rational::new_raw(1, 2);
 const QUARTER: Rational = Rational::new_raw(1, 4);
 
@@ -59,41 +85,41 @@ fn minus(a: Position, b: Position) -> Position {
     (a.0 - b.0, a.1 - b.1)
 }
 
-/// A Laurent polynomial in `z1, z2` with rational coefficients. No zero coefficient is stored, so equal
+/// A Laurent polynomial with rational coefficients, in `z1, z2` unless `P` says otherwise. No zero coefficient is stored, so equal
 /// polynomials compare equal.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Laurent(BTreeMap<Position, Rational>);
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Laurent<P = Position>(BTreeMap<P, Rational>);
 
-impl Laurent {
+impl<P: Exponent> Laurent<P> {
     /// The polynomial 0.
     pub fn zero() -> Self {
-        Laurent::default()
+        Laurent(BTreeMap::new())
     }
 
     /// A constant polynomial.
     pub fn constant(value: Rational) -> Self {
-        Laurent::monomial((0, 0), value)
+        Laurent::monomial(P::ORIGIN, value)
     }
 
     /// `value z^exponent`.
-    pub fn monomial(exponent: Position, value: Rational) -> Self {
+    pub fn monomial(exponent: P, value: Rational) -> Self {
         Laurent::sum(&[exponent], value)
     }
 
     /// `value` times the sum of the monomials `z^exponent`; a repeated exponent counts repeatedly.
-    pub fn sum(exponents: &[Position], value: Rational) -> Self {
+    pub fn sum(exponents: &[P], value: Rational) -> Self {
         let mut result = Laurent::zero();
         exponents.iter().for_each(|&exponent| result.add_term(exponent, value));
         result
     }
 
-    /// The coefficient of `z1^i z2^j`.
-    pub fn coefficient(&self, i: i32, j: i32) -> Rational {
-        self.0.get(&(i, j)).copied().unwrap_or(Rational::ZERO)
+    /// The coefficient of `z^exponent`.
+    pub fn at(&self, exponent: P) -> Rational {
+        self.0.get(&exponent).copied().unwrap_or(Rational::ZERO)
     }
 
     /// The nonzero terms `(exponent, coefficient)`, exponents ascending.
-    pub fn terms(&self) -> impl Iterator<Item = (Position, Rational)> + '_ {
+    pub fn terms(&self) -> impl Iterator<Item = (P, Rational)> + '_ {
         self.0.iter().map(|(&exponent, &value)| (exponent, value))
     }
 
@@ -102,8 +128,8 @@ impl Laurent {
         self * &Laurent::constant(factor)
     }
 
-    fn add_term(&mut self, exponent: Position, value: Rational) {
-        let sum = self.coefficient(exponent.0, exponent.1) + value;
+    pub(crate) fn add_term(&mut self, exponent: P, value: Rational) {
+        let sum = self.at(exponent) + value;
         if sum == Rational::ZERO {
             self.0.remove(&exponent);
         } else {
@@ -112,23 +138,30 @@ impl Laurent {
     }
 }
 
-impl Add for &Laurent {
-    type Output = Laurent;
+impl Laurent {
+    /// The coefficient of `z1^i z2^j`.
+    pub fn coefficient(&self, i: i32, j: i32) -> Rational {
+        self.at((i, j))
+    }
+}
 
-    fn add(self, other: &Laurent) -> Laurent {
+impl<P: Exponent> Add for &Laurent<P> {
+    type Output = Laurent<P>;
+
+    fn add(self, other: &Laurent<P>) -> Laurent<P> {
         let mut result = self.clone();
         other.terms().for_each(|(exponent, value)| result.add_term(exponent, value));
         result
     }
 }
 
-impl Mul for &Laurent {
-    type Output = Laurent;
+impl<P: Exponent> Mul for &Laurent<P> {
+    type Output = Laurent<P>;
 
-    fn mul(self, other: &Laurent) -> Laurent {
+    fn mul(self, other: &Laurent<P>) -> Laurent<P> {
         let mut result = Laurent::zero();
         for (p, a) in self.terms() {
-            other.terms().for_each(|(q, b)| result.add_term(plus(p, q), a * b));
+            other.terms().for_each(|(q, b)| result.add_term(p.plus(q), a * b));
         }
         result
     }
@@ -136,10 +169,10 @@ impl Mul for &Laurent {
 
 /// A matrix of Laurent polynomials; row = type of the resulting cell, column = type of the given one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Symbol(Vec<Vec<Laurent>>);
+pub struct Symbol<P = Position>(Vec<Vec<Laurent<P>>>);
 
-impl Symbol {
-    fn zero(rows: usize, columns: usize) -> Self {
+impl<P: Exponent> Symbol<P> {
+    pub(crate) fn zero(rows: usize, columns: usize) -> Self {
         Symbol(vec![vec![Laurent::zero(); columns]; rows])
     }
 
@@ -152,20 +185,32 @@ impl Symbol {
     ///
     /// # Panics
     /// If `i` or `j` is out of range.
-    pub fn entry(&self, i: usize, j: usize) -> &Laurent {
+    pub fn entry(&self, i: usize, j: usize) -> &Laurent<P> {
         &self.0[i][j]
     }
 
     /// Every entry at `z^2`.
     pub fn at_square(&self) -> Self {
-        self.map(|entry| Laurent(entry.terms().map(|((i, j), value)| ((2 * i, 2 * j), value)).collect()))
+        self.map(|entry| {
+            Laurent(entry.terms().map(|(exponent, value)| (exponent.plus(exponent), value)).collect())
+        })
     }
 
     /// Every entry times `kernel`: the convolution (3.59).
-    pub fn convolve(&self, kernel: &Laurent) -> Self {
+    pub fn convolve(&self, kernel: &Laurent<P>) -> Self {
         self.map(|entry| kernel * entry)
     }
 
+    pub(crate) fn add_term(&mut self, i: usize, j: usize, exponent: P, value: Rational) {
+        self.0[i][j].add_term(exponent, value);
+    }
+
+    fn map(&self, f: impl Fn(&Laurent<P>) -> Laurent<P>) -> Self {
+        Symbol(self.0.iter().map(|row| row.iter().map(&f).collect()).collect())
+    }
+}
+
+impl Symbol {
     /// The row of the fine cell of type `i` at fine `position`: type `j` and position `q` of each coarse
     /// cell it takes from, with the nonzero coefficient of `z^(position - 2q)` in entry `(i, j)`.
     ///
@@ -183,20 +228,16 @@ impl Symbol {
         }
         row
     }
-
-    fn map(&self, f: impl Fn(&Laurent) -> Laurent) -> Self {
-        Symbol(self.0.iter().map(|row| row.iter().map(&f).collect()).collect())
-    }
 }
 
-impl Mul for &Symbol {
-    type Output = Symbol;
+impl<P: Exponent> Mul for &Symbol<P> {
+    type Output = Symbol<P>;
 
     /// The matrix product.
     ///
     /// # Panics
     /// If `other` does not have as many rows as `self` has columns.
-    fn mul(self, other: &Symbol) -> Symbol {
+    fn mul(self, other: &Symbol<P>) -> Symbol<P> {
         let ((rows, inner), (other_rows, columns)) = (self.shape(), other.shape());
         assert_eq!(inner, other_rows, "the types of cells between two symbols differ");
         let entry = |i: usize, j: usize| {

@@ -135,6 +135,11 @@ fn the_examples_in_the_help_run() {
         &["operators", "--help"],
         &["validate", "--help"],
         &["batch", "--help"],
+        &["volume", "--help"],
+        &["volume", "inspect", "--help"],
+        &["volume", "subdivide", "--help"],
+        &["volume", "validate", "--help"],
+        &["volume", "slice", "--help"],
     ] {
         let help = succeed(&root, command).replace("\\\n", " ");
         let lines = help.lines().map(str::trim).filter(|line| line.starts_with("formwork "));

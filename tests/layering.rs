@@ -11,7 +11,7 @@ const FLOORS: &[&[&str]] = &[
     &["sparse", "symbol", "topology", "osd"], // 0
     &["cochain", "field", "io"],              // 1
     &["scheme"],                              // 2
-    &["hierarchy"],                           // 3
+    &["hierarchy", "octet"],                  // 3
     &["limit"],                               // 4
     &["laws"],                                // 5
 ];

@@ -92,7 +92,7 @@ fn laurent_polynomials_are_a_ring() {
     assert_eq!(product.coefficient(5, 5), ratio(0, 1));
     assert_eq!(&a + &a.scale(ratio(-1, 1)), Laurent::zero());
     assert_eq!(Laurent::sum(&[(0, 0), (0, 0)], ratio(1, 2)), Laurent::constant(ratio(1, 1)));
-    assert_eq!(Laurent::constant(ratio(0, 1)), Laurent::zero());
+    assert_eq!(Laurent::constant(ratio(0, 1)), Laurent::<Position>::zero());
 }
 
 #[test]

@@ -43,7 +43,7 @@ fn round_vertices(cage: &Cage) -> u128 {
 }
 
 /// The memory that can be had without swapping, where the system says so.
-fn available_memory() -> Option<u128> {
+pub(crate) fn available_memory() -> Option<u128> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     let kib: u128 = line.trim().trim_end_matches("kB").trim().parse().ok()?;

@@ -6,6 +6,7 @@ mod kernel;
 mod level;
 mod refinement;
 
+pub(crate) use budget::available_memory;
 pub use kernel::Workspace;
 pub use level::Level;
 pub use refinement::{Operators, Refinement};

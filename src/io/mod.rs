@@ -8,6 +8,7 @@
 //! | [`usd`] | meshes on a stage, with their forms, still or moving | the same, the rest of the stage kept |
 //! | [`fields`] | forms on a mesh | forms on a mesh |
 //! | [`points`] | points on faces | |
+//! | [`volume`] | solids: Gmsh and VTK, with their forms | VTK |
 //! | [`npz`] | | the operators of a hierarchy, surfaces and other arrays, for NumPy and SciPy |
 //!
 //! [`load`] and [`save`] choose the format of a mesh by the extension of its file. A reader of meshes hands
@@ -29,6 +30,7 @@ pub mod obj;
 pub mod points;
 mod surface;
 pub mod usd;
+pub mod volume;
 
 pub use ancestry::Ancestry;
 pub use asset::{Asset, Frame, SourceLines};

@@ -2,6 +2,7 @@
 
 mod batch;
 mod help;
+pub mod volume;
 
 use std::path::PathBuf;
 
@@ -45,13 +46,16 @@ pub enum Command {
     /// Refine many assets, failures apart, and go on where the last run stopped
     #[command(after_help = batch::HELP)]
     Batch(Batch),
+    /// Solids of tetrahedra and octahedra: forms of degree 0 to 3 in space
+    #[command(after_help = volume::HELP)]
+    Volume(volume::Volume),
 }
 
 impl Command {
     /// The options of a command on one mesh.
     pub fn common(&self) -> Option<&Common> {
         Some(match self {
-            Command::Batch(_) => return None,
+            Command::Batch(_) | Command::Volume(_) => return None,
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
             Command::Limit(args) => &args.common,

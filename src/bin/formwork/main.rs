@@ -36,6 +36,10 @@ fn main() -> ExitCode {
     };
     let (json, quiet, failing) = match (&args.command, args.command.common()) {
         (Command::Batch(args), _) => (args.json, args.quiet, SOME_FAILED),
+        (Command::Volume(args), _) => {
+            let common = args.command.common();
+            (common.json, common.quiet, LAW_BROKEN)
+        }
         (_, common) => common.map_or((false, false, LAW_BROKEN), |c| (c.json, c.quiet, LAW_BROKEN)),
     };
     let outcome = match args.command {
@@ -46,6 +50,7 @@ fn main() -> ExitCode {
         Command::Operators(args) => run::operators::run(&args),
         Command::Validate(args) => run::validate::run(&args),
         Command::Batch(args) => run::batch::run(&args),
+        Command::Volume(args) => run::volume::run(&args.command),
     };
     match outcome.and_then(|outcome| report(&outcome, json, quiet).map(|()| outcome.holds)) {
         Ok(true) => ExitCode::SUCCESS,

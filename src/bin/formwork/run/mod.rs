@@ -7,6 +7,7 @@ pub mod operators;
 pub mod subdivide;
 mod to_limit;
 pub mod validate;
+pub mod volume;
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 use serde_json::{Value, json};
@@ -35,11 +36,16 @@ impl Outcome {
 /// A bar on stderr, if `shown` and stderr is a terminal; it moves as levels are finished, and goes when it is
 /// dropped.
 fn progress_bar(shown: bool, levels: usize, doing: &'static str) -> ProgressBar {
+    // Each level has four times the faces of the one before, and takes as much longer.
+    progress_bar_of(shown, work(levels), doing)
+}
+
+/// A bar of so much work.
+fn progress_bar_of(shown: bool, work: u64, doing: &'static str) -> ProgressBar {
     if !shown {
         return ProgressBar::hidden();
     }
-    // Each level has four times the faces of the one before, and takes as much longer.
-    let bar = ProgressBar::new(work(levels)).with_finish(ProgressFinish::AndClear);
+    let bar = ProgressBar::new(work).with_finish(ProgressFinish::AndClear);
     if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:30}] {elapsed}") {
         bar.set_style(style.progress_chars("=> "));
     }
@@ -70,6 +76,8 @@ fn grouped(number: usize) -> String {
 fn count(number: usize, thing: &str) -> String {
     let plural = match thing {
         "vertex" => "vertices".to_owned(),
+        "tetrahedron" => "tetrahedra".to_owned(),
+        "octahedron" => "octahedra".to_owned(),
         _ => format!("{thing}s"),
     };
     format!("{} {}", grouped(number), if number == 1 { thing } else { &plural })
