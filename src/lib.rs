@@ -44,15 +44,18 @@
 //! ```
 //!
 //! A [`limit::Limit`] says what a cochain becomes in the limit of refinement, and a [`limit::LimitSurface`] evaluates it,
-//! and the surface, at points.
+//! and the surface, at points. On it, [`fem`] has the inner products of forms, and [`design`] decomposes fields and
+//! makes new ones.
 //!
 //! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
-//! `scheme`; `hierarchy`; `limit`; `laws`. `ARCHITECTURE.md` draws them.
+//! `scheme`; `hierarchy`; `limit`; `laws`, `fem`, `design`. `ARCHITECTURE.md` draws them.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod cochain;
+pub mod design;
+pub mod fem;
 pub mod field;
 pub mod hierarchy;
 pub mod io;
