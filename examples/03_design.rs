@@ -92,7 +92,7 @@ fn torus() -> Result<Figure, Box<dyn Error>> {
 /// A head with a nose, ears and an open neck; hair that leaves a whorl at the crown and falls to the neck, combed to one
 /// side on the forehead.
 fn head() -> Result<Figure, Box<dyn Error>> {
-    const N: i32 = 8;
+    const N: i32 = 12;
     let (mut numbers, mut points, mut faces) = (std::collections::HashMap::new(), Vec::new(), Vec::new());
     for (axis, side) in (0..6).map(|i| (i / 2, i % 2)) {
         for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
@@ -125,18 +125,18 @@ fn head() -> Result<Figure, Box<dyn Error>> {
         let distance = |v: &usize| (points[*v] - target).norm();
         (0..points.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as u32
     };
-    let crown = nearest(Vec3::new(0.0, 0.35, 1.1));
+    let crown = nearest(Vec3::new(0.12, -0.12, 1.1));
     let face_at = |target: Vec3| {
         let middle = |f: &[u32; 4]| f.iter().map(|&v| points[v as usize]).sum::<Vec3>() / 4.0;
         let distance = |i: &usize| (middle(&faces[*i]) - target).norm();
         (0..faces.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0) as u32
     };
     let whorl = face_at(points[crown as usize]);
-    let forehead = SurfacePoint { face: face_at(Vec3::new(0.2, -0.8, 0.7)), corner: 0, s: 0.5, t: 0.5 };
+    let forehead = SurfacePoint { face: face_at(Vec3::new(0.1, -0.95, 0.45)), corner: 0, s: 0.5, t: 0.5 };
     let spec = Spec {
         sources: vec![source(crown, 3.0)],
         vortices: vec![Vortex { place: Place::Cell(whorl), strength: 2.0 }],
-        vectors: vec![VectorAt { point: forehead, vector: Vec3::new(1.2, 0.1, -0.3), weight: None }],
+        vectors: vec![VectorAt { point: forehead, vector: Vec3::new(1.5, 0.0, -0.6), weight: None }],
         // Normal at the neck: curl has nowhere to go, and is taken off evenly.
         balance: true,
         ..Spec::default()
@@ -164,12 +164,12 @@ fn on_head(d: Vec3) -> Vec3 {
         (-(d - Vec3::new(x, y, z).normalize()).norm_squared() / (width * width)).exp()
     };
     let mut p = Vec3::new(0.76 * d.x, 0.92 * d.y, 1.12 * d.z);
-    p += Vec3::new(0.0, -0.34, -0.06) * bump(0.0, -1.0, -0.22, 0.17); // nose
-    p += Vec3::new(0.0, -0.10, 0.0) * bump(0.0, -1.0, 0.25, 0.4); // brow
-    p += Vec3::new(0.0, -0.20, -0.10) * bump(0.0, -0.8, -0.75, 0.3); // chin
+    p += Vec3::new(0.0, -0.50, -0.10) * bump(0.0, -1.0, -0.16, 0.19); // nose
+    p += Vec3::new(0.0, -0.16, 0.0) * bump(0.0, -1.0, 0.30, 0.4); // brow
+    p += Vec3::new(0.0, -0.42, -0.05) * bump(0.0, -0.8, -0.62, 0.28); // chin
     for side in [-1.0, 1.0] {
-        p += Vec3::new(0.0, 0.13, 0.0) * bump(0.36 * side, -0.93, 0.02, 0.16); // eyes
-        p += Vec3::new(0.20 * side, 0.05, 0.0) * bump(side, 0.1, -0.1, 0.2); // ears
+        p += Vec3::new(0.0, 0.20, 0.0) * bump(0.38 * side, -0.93, 0.05, 0.17); // eyes
+        p += Vec3::new(0.34 * side, 0.12, 0.0) * bump(side, 0.1, -0.1, 0.2); // ears
     }
     // The neck goes down from the jaw.
     let down = ((-d.z - 0.62) / 0.3).clamp(0.0, 1.0);

@@ -31,6 +31,7 @@ mod product;
 mod singularities;
 mod spec;
 mod streamlines;
+mod wishes;
 
 pub use boundary::{Condition, boundary_loops};
 pub use constraints::Field;

@@ -19,12 +19,12 @@ The spec is JSON. Indices start at 0, every key may be left out:
    \"regions\": [{\"faces\": [f, ...], \"weight\": w}]}
 A sink is a source of negative strength. Strengths are fluxes and circulations;
 where nothing can flow off they sum to 0, or --balance makes them. Points are
-those of formwork evaluate, [face, corner, s, t] on polygons. Edge values are
+those that evaluate takes, [face, corner, s, t] on polygons. Edge values are
 circulations of the limit field along limit edges. Values without a weight are
 met exactly. Boundary loops (in the order of their first edges) are tangential
 unless said otherwise. There are 2g generators on a closed surface of genus g.
 
-The field is written as formwork limit writes one; --field-out writes its
+The field is written as by the command limit; --field-out writes its
 control values for the other commands. Its zeros are found on the limit surface
 and counted against the Euler characteristic.
 
@@ -50,8 +50,8 @@ Examples:
       --metric control-mesh -o parts.npz";
 
 pub const STREAMLINES: &str = "\
-Seeds are spread evenly over the surface, or taken from --points (the file of
-formwork evaluate). A line ends after --length, where the field vanishes, at the
+Seeds are spread evenly over the surface, or taken from --points (as evaluate
+takes them). A line ends after --length, where the field vanishes, at the
 boundary, or where it closes. Lengths are in units of the surface's size: the
 diagonal of the box round it is 1.
 
