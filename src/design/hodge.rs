@@ -102,10 +102,11 @@ impl<'a> Hodge<'a> {
         }
         let matrix = laplacian(mesh, &product.mass, &unknown, count as usize);
         let laplacian = Cholesky::new(&matrix).map_err(|_| {
-            let diagonal = |i: usize| row_of(&matrix, i).0.iter().position(|&j| j as usize == i);
-            let bad = (0..matrix.rows())
-                .find(|&i| diagonal(i).is_none_or(|at| !(row_of(&matrix, i).1[at] > 0.0)))
-                .unwrap_or(0);
+            let diagonal = |i: usize| {
+                let (columns, entries) = row_of(&matrix, i);
+                columns.iter().position(|&j| j as usize == i).map_or(0.0, |at| entries[at])
+            };
+            let bad = (0..matrix.rows()).find(|&i| diagonal(i) <= 0.0 || diagonal(i).is_nan()).unwrap_or(0);
             let vertex = unknown.iter().position(|&u| u as usize == bad).unwrap_or(0) as u32;
             DesignError::Singular { vertex }
         })?;

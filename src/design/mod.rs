@@ -25,6 +25,7 @@ mod boundary;
 mod cholesky;
 mod constraints;
 mod file;
+mod fronts;
 mod hodge;
 mod homology;
 mod product;

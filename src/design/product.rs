@@ -124,8 +124,7 @@ fn local(mesh: &Mesh, positions: &Cochain<0, Vector3<f64>>, face: u32) -> Option
         (0..n).map(|i| (points[i] - centre).cross(&(points[(i + 1) % n] - centre))).sum();
     let area = twice.norm() / 2.0;
     let longest = (0..n).map(|i| edge(i).norm_squared()).fold(0.0, f64::max);
-    // The comparison is false for numbers that are none, too.
-    if !(area > 1e-12 * longest) {
+    if area <= 1e-12 * longest || !area.is_finite() {
         return None;
     }
     if n == 3 {

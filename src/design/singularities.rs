@@ -176,7 +176,7 @@ impl<'a> Sampled<'a> {
                 best = found;
             }
         }
-        if !(best.1 < 1e-9 * order[order.len() - 1].1.min(f64::MAX)) {
+        if best.1 >= 1e-9 * order[order.len() - 1].1.min(f64::MAX) {
             best = self.creep(starts[order[0].0], best);
         }
         let [found] = self.vectors(&[best.0])[..] else { unreachable!("one point") };

@@ -267,7 +267,7 @@ impl Flow<'_> {
         let speed = sample.vector.norm();
         let (start, direction) = *line.start.get_or_insert((sample.position, sample.vector));
         let near = (sample.position - start).norm() < 0.75 * tracing.step;
-        if !(speed > slowest) || sample.velocity == [0.0; 2] {
+        if speed <= slowest || !speed.is_finite() || sample.velocity == [0.0; 2] {
             line.end = Some(End::Zero);
         } else if line.length >= tracing.length * (1.0 - 1e-9) {
             line.end = Some(End::Length);

@@ -98,12 +98,12 @@ impl Hodge<'_> {
             let face = wanted.point.face;
             let first = t1.try_normalize(1e-300).ok_or(DesignError::NoTangent { face })?;
             let across = t2 - first * first.dot(&t2);
-            if !(across.norm() > 1e-7 * t2.norm()) {
+            if across.norm() <= 1e-7 * t2.norm() || !across.norm().is_finite() {
                 return Err(DesignError::NoTangent { face });
             }
             let second = across.normalize();
             let along = wanted.vector - first.cross(&second) * first.cross(&second).dot(&wanted.vector);
-            if !(along.norm() > 1e-9 * wanted.vector.norm()) && wanted.vector.norm() > 0.0 {
+            if wanted.vector.norm() > 0.0 && along.norm() <= 1e-9 * wanted.vector.norm() {
                 return Err(DesignError::NoTangent { face });
             }
             let (l1, l2, slant) = (t1.norm(), across.norm(), t2.dot(&first));

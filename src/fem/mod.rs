@@ -12,7 +12,7 @@
 //! on coefficients, so the stiffnesses are `d0' M1 d0` (Laplace's) and `d1' M2 d1` ([`stiffness`]) and nothing else is
 //! integrated.
 //!
-//! An element is a face of the finest level of a [`LimitSurface`]: [`Elements::local`] is its matrix, by quadrature of
+//! An element is a face of the finest level of a [`LimitSurface`](crate::limit::LimitSurface): [`Elements::local`] is its matrix, by quadrature of
 //! basis forms that all faces with like surroundings share. Rows are then gathered from elements in the order of the
 //! elements, so the sums are bitwise the same for any number of threads, and symmetric to the bit. Where the surface
 //! had to be refined, matrices `M` of the finest level are pulled back to the cage by its own `S`, as `S' M S`.

@@ -51,8 +51,8 @@ pub fn run(args: &Streamlines) -> Result<Outcome, Failure> {
             let object = json!({ "lines": lines.iter().map(listed).collect::<Vec<_>>() });
             atomic::write(&args.output, |out| Ok(serde_json::to_writer(out, &object)?))?;
         }
-        "obj" => atomic::write(&args.output, |out| Ok(write_obj(out, &lines)?))?,
-        _ => atomic::write(&args.output, |out| Ok(write_usda(out, &lines, size)?))?,
+        "obj" => atomic::write(&args.output, |out| write_obj(out, &lines))?,
+        _ => atomic::write(&args.output, |out| write_usda(out, &lines, size))?,
     }
     let num_points: usize = lines.iter().map(|line| line.points.len()).sum();
     let ends = |end: End| lines.iter().flat_map(|line| line.ends).filter(|&e| e == end).count();
