@@ -44,17 +44,20 @@
 //! ```
 //!
 //! A [`limit::Limit`] says what a cochain becomes in the limit of refinement, and a [`limit::LimitSurface`] evaluates it,
-//! and the surface, at points.
+//! and the surface, at points. On it, [`fem`] has the inner products of forms, and [`design`] decomposes fields and
+//! makes new ones.
 //!
 //! In space, [`octet`] does the same for 0-, 1-, 2- and 3-forms on tetrahedra and octahedra.
 //!
 //! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
-//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`. `ARCHITECTURE.md` draws them.
+//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `fem`, `design`. `ARCHITECTURE.md` draws them.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
 pub mod cochain;
+pub mod design;
+pub mod fem;
 pub mod field;
 pub mod hierarchy;
 pub mod io;

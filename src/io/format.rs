@@ -130,7 +130,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Asset, IoError> {
 /// How to write.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SaveOptions {
-    /// glTF: also write the direction of the 1-form as `TANGENT`, for shaders.
+    /// Also write the direction of the 1-form: `TANGENT` in glTF, for shaders, `primvars:combDir` in USD, for fur.
     pub tangents: bool,
 }
 
@@ -157,7 +157,7 @@ pub fn save(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Save
         Format::Gltf => saved.paths = glb::write_text(path, surface, options)?,
         Format::Glb => glb::write(path, surface, options)?,
         Format::Npz => npz::write_surface(path, surface)?,
-        Format::Usda | Format::Usdc | Format::Usdz => saved.notes = usd::write(path, surface)?,
+        Format::Usda | Format::Usdc | Format::Usdz => saved.notes = usd::write(path, surface, options)?,
     }
     if !format.is_usd() && surface.frames().len() > 1 {
         saved.notes.push(format!("only the first of {} frames: write .usda for all", surface.frames().len()));

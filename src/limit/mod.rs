@@ -31,7 +31,10 @@ mod unsettled;
 mod vertex;
 
 pub use patch::Jet;
-pub use surface::{LimitSurface, PointError, SurfaceError, SurfacePoint, SurfaceVector};
+pub use surface::{
+    BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule, SurfaceError,
+    SurfacePoint, SurfaceVector,
+};
 pub use tangents::LimitTangents;
 
 use crate::cochain::{Cochain, Value, d1};

@@ -1,9 +1,13 @@
 //! Evaluation at points of the limit surface.
 
+mod basis;
+mod pieces;
 mod point;
 mod prepare;
 mod walk;
 
+pub use basis::{BasisPoint, FaceCells, QuadratureRule};
+pub use pieces::{PiecePoint, Pieces};
 pub use point::{PointError, SurfacePoint};
 
 use nalgebra::Vector3;

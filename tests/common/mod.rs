@@ -5,6 +5,7 @@ pub mod clients;
 pub mod meshes;
 pub mod run;
 pub mod shapes;
+pub mod solids;
 pub mod step;
 
 use formwork::laws::{Report, measure};

@@ -1,6 +1,7 @@
 //! What can be typed. Parsed and range-checked here, settled in [`crate::job`].
 
 mod batch;
+mod design;
 mod help;
 pub mod volume;
 
@@ -9,6 +10,7 @@ use std::path::PathBuf;
 pub use batch::Batch;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
+pub use design::{Decompose, Design, METRICS, Streamlines};
 use formwork::io::Frames;
 use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
@@ -40,6 +42,15 @@ pub enum Command {
     /// Write the subdivision operators and exterior derivatives as sparse matrices, for NumPy and SciPy
     #[command(after_help = help::OPERATORS)]
     Operators(Operators),
+    /// Design a tangent field: sources, sinks, vortices, directions, harmonic parts
+    #[command(after_help = design::DESIGN)]
+    Design(Design),
+    /// Split a 1-form into its exact, coexact and harmonic parts
+    #[command(after_help = design::DECOMPOSE)]
+    Decompose(Decompose),
+    /// Trace streamlines of a 1-form on the limit surface
+    #[command(after_help = design::STREAMLINES)]
+    Streamlines(Streamlines),
     /// Measure that the operators commute with d, against OpenSubdiv itself
     #[command(after_help = help::VALIDATE)]
     Validate(Validate),
@@ -62,6 +73,9 @@ impl Command {
             Command::Evaluate(args) => &args.common,
             Command::Operators(args) => &args.common,
             Command::Validate(args) => &args.common,
+            Command::Design(args) => &args.common,
+            Command::Decompose(args) => &args.common,
+            Command::Streamlines(args) => &args.common,
         })
     }
 }
@@ -109,7 +123,7 @@ pub struct Writing {
     /// USD: the time samples to refine: `all`, a range `1:24`, or one time `12.5`
     #[arg(long, value_name = "TIMES", value_parser = frames)]
     pub frames: Option<Frames>,
-    /// glTF: also write the direction of the 1-form as TANGENT, for shaders
+    /// Also write the direction of the 1-form: TANGENT in glTF, primvars:combDir in USD, for fur
     #[arg(long)]
     pub tangents: bool,
 }
@@ -287,7 +301,7 @@ fn frames(typed: &str) -> Result<Frames, String> {
     frames.ok_or_else(|| "write all, two times as 1:24, or one time".to_owned())
 }
 
-fn choice<T: Clone + Send + Sync + 'static>(names: Names<T>) -> impl TypedValueParser<Value = T> {
+pub(super) fn choice<T: Clone + Send + Sync + 'static>(names: Names<T>) -> impl TypedValueParser<Value = T> {
     let parser = PossibleValuesParser::new(names.iter().map(|(name, _)| *name));
     parser.try_map(move |typed| {
         let found = names.iter().find(|(name, _)| *name == typed);

@@ -49,6 +49,9 @@ fn main() -> ExitCode {
         Command::Evaluate(args) => run::evaluate::run(&args),
         Command::Operators(args) => run::operators::run(&args),
         Command::Validate(args) => run::validate::run(&args),
+        Command::Design(args) => run::design::run(&args),
+        Command::Decompose(args) => run::decompose::run(&args),
+        Command::Streamlines(args) => run::streamlines::run(&args),
         Command::Batch(args) => run::batch::run(&args),
         Command::Volume(args) => run::volume::run(&args.command),
     };

@@ -7,10 +7,11 @@ use super::build::{Editor, Moving, empty_stage, extent, integers, triples32};
 use super::layer::Prim;
 use super::{CREASING, Stage};
 use super::{follow, text};
+use crate::cochain::Cochain;
 use crate::field;
 use crate::io::forms::file_half_edges;
 use crate::io::surface::face_areas;
-use crate::io::{Asset, AtVertices, IoError, Pose, Positions, Surface};
+use crate::io::{Asset, AtVertices, IoError, Pose, Positions, SaveOptions, Surface};
 use crate::osd::OsdScheme;
 use crate::topology::{BoundaryInterpolation, CreasingMethod, Descriptor, TriangleSubdivision};
 
@@ -33,7 +34,7 @@ pub(super) const TAGS: [&str; 9] = [
 /// # Errors
 /// [`IoError::FormatLimit`] if a number does not fit a 32-bit float, [`IoError::Content`] if something on
 /// the stage cannot be said as text; [`IoError::Write`].
-pub fn write(path: &Path, surface: &Surface) -> Result<Vec<String>, IoError> {
+pub fn write(path: &Path, surface: &Surface, options: SaveOptions) -> Result<Vec<String>, IoError> {
     let asset = surface.asset();
     let stage = asset.and_then(|asset| asset.stage.as_deref());
     let mut notes = Vec::new();
@@ -56,9 +57,11 @@ pub fn write(path: &Path, surface: &Surface) -> Result<Vec<String>, IoError> {
             write_refined(&mut editor, surface)
         }
     };
-    written.and_then(|()| write_forms(&mut editor, surface)).ok_or_else(|| IoError::FormatLimit {
-        path: path.to_owned(),
-        limit: "a value is too large for the 32-bit floats of USD: write .json or .obj instead",
+    written.and_then(|()| write_forms(&mut editor, surface, options)).ok_or_else(|| {
+        IoError::FormatLimit {
+            path: path.to_owned(),
+            limit: "a value is too large for the 32-bit floats of USD: write .json or .obj instead",
+        }
     })?;
     if let (Some(stage), Some(asset)) = (stage, asset) {
         complete(&mut data, stage);
@@ -173,7 +176,7 @@ fn write_refined(editor: &mut Editor, surface: &Surface) -> Option<()> {
     Some(())
 }
 
-fn write_forms(editor: &mut Editor, surface: &Surface) -> Option<()> {
+fn write_forms(editor: &mut Editor, surface: &Surface, options: SaveOptions) -> Option<()> {
     let (mesh, fields) = (surface.mesh(), surface.fields());
     if let Some(form) = &fields.form0 {
         set_form(editor, 0, "vertex", form.values().to_vec())?;
@@ -184,32 +187,49 @@ fn write_forms(editor: &mut Editor, surface: &Surface) -> Option<()> {
         let descriptor = surface.cage().unwrap_or(&unturned);
         let half_edges = surface.faces().flat_map(|f| file_half_edges(descriptor, mesh, f));
         set_form(editor, 1, "faceVarying", half_edges.map(|h| form.along(h)).collect())?;
-        let one_sided = surface.is_one_sided();
-        let vectors = moving(surface, |positions, at_vertices| {
-            if let Some(at) = at_vertices {
-                let [of_vertices, of_corners] = at.vectors.as_ref()?;
-                let written = surface.faces().flat_map(|f| mesh.corners(f));
-                return match one_sided {
-                    false => triples32(of_vertices),
-                    true => triples32(written.map(|c| &of_corners[c as usize])),
-                };
-            }
-            let of_face = match std::ptr::eq(positions, surface.positions()) {
-                true => surface.face_vectors().unwrap_or_default().to_vec(),
-                false => field::face_vectors(mesh, positions, form),
-            };
-            match one_sided {
-                false => triples32(&field::vertex_vectors(mesh, &of_face)),
-                true => triples32(&surface.corner_means(&of_face)),
-            }
-        })?;
-        let interpolation = if one_sided { "faceVarying" } else { "vertex" };
+        let interpolation = if surface.is_one_sided() { "faceVarying" } else { "vertex" };
+        let vectors = form_vectors(surface, form, |v| v)?;
         editor.set_primvar("primvars:form1Vector", "vector3f[]", interpolation, vectors);
+        if options.tangents {
+            let directions =
+                form_vectors(surface, form, |v| v.try_normalize(f64::MIN_POSITIVE).unwrap_or_default())?;
+            editor.set_primvar("primvars:combDir", "vector3f[]", interpolation, directions);
+        }
     }
     if let Some(form) = &fields.form2 {
         set_form(editor, 2, "uniform", surface.faces().map(|f| form[f as usize]).collect())?;
     }
     Some(())
+}
+
+/// The tangent vectors of the 1-form, or what is made of them: one for each vertex, or each corner of the faces that are
+/// written where they have two sides.
+fn form_vectors(
+    surface: &Surface,
+    form: &Cochain<1>,
+    change: impl Fn(Vector3<f64>) -> Vector3<f64>,
+) -> Option<Moving> {
+    let (mesh, one_sided) = (surface.mesh(), surface.is_one_sided());
+    let triples =
+        |vectors: &[Vector3<f64>]| triples32(&vectors.iter().map(|&v| change(v)).collect::<Vec<_>>());
+    moving(surface, |positions, at_vertices| {
+        if let Some(at) = at_vertices {
+            let [of_vertices, of_corners] = at.vectors.as_ref()?;
+            let written = surface.faces().flat_map(|f| mesh.corners(f));
+            return match one_sided {
+                false => triples(of_vertices),
+                true => triples(&written.map(|c| of_corners[c as usize]).collect::<Vec<_>>()),
+            };
+        }
+        let of_face = match std::ptr::eq(positions, surface.positions()) {
+            true => surface.face_vectors().unwrap_or_default().to_vec(),
+            false => field::face_vectors(mesh, positions, form),
+        };
+        match one_sided {
+            false => triples(&field::vertex_vectors(mesh, &of_face)),
+            true => triples(&surface.corner_means(&of_face)),
+        }
+    })
 }
 
 /// In 32 bits, or in 64 where the stage has them so already; `None` if a value overflows.

@@ -1,6 +1,7 @@
 //! From a cochain's values round a face down to the coefficients at a point.
 
 use super::super::frame::Frame;
+use super::super::tables::Table;
 use super::super::vertex::VertexTable;
 use super::LimitSurface;
 use crate::cochain::Value;
@@ -54,6 +55,43 @@ struct Node<T> {
 
 const POLYNOMIAL: usize = 4;
 
+/// The maps of one degree from a face with a table down to a point, and what the limit is there: the way that
+/// [`Walk::find`] takes, without values.
+pub fn descent<'a>(
+    surface: &'a LimitSurface,
+    number: usize,
+    mut frame: Frame,
+    degree: usize,
+) -> (Vec<&'a Csr>, Found<'a>) {
+    let kind = surface.hierarchy.split_kind();
+    let (mut steps, mut at) = (Vec::new(), Some(number));
+    while let Some(number) = at {
+        let table = surface.tables.get(number);
+        if let Some(vertex) = table.vertex.as_ref().filter(|_| is_at_vertex(&frame)) {
+            return (steps, Found::Vertex(vertex));
+        }
+        if steps.len() < deepest(table, degree) && !table.children.is_empty() {
+            let (number, below) = frame.descend(kind);
+            let child = &table.children[number];
+            frame = below.turned(kind, child.turn);
+            at = child.table;
+            steps.push(&child.maps[degree]);
+        } else if let Some(rows) = &table.polynomial {
+            at = None;
+            steps.push(&rows[degree]);
+        } else {
+            unreachable!("only the way to an irregular vertex has no end")
+        }
+    }
+    (steps, Found::Patch(frame))
+}
+
+/// How many steps are taken below a face before its polynomial takes over.
+fn deepest(table: &Table, degree: usize) -> usize {
+    let rough = table.polynomial.is_some() && degree == 0;
+    if rough { ROUGH_DEPTH } else { MAX_DEPTH }
+}
+
 impl<'a, T: Value> Walk<'a, T> {
     /// Walks with a cochain of the finest level.
     ///
@@ -86,9 +124,7 @@ impl<'a, T: Value> Walk<'a, T> {
             if let Some(vertex) = table.vertex.as_ref().filter(|_| is_at_vertex(&frame)) {
                 return (Found::Vertex(vertex), &tree.nodes[at].values);
             }
-            let rough = table.polynomial.is_some() && degree == 0;
-            let deepest = if rough { ROUGH_DEPTH } else { MAX_DEPTH };
-            if depth < deepest && !table.children.is_empty() {
+            if depth < deepest(table, degree) && !table.children.is_empty() {
                 let (number, below) = frame.descend(kind);
                 let child = &table.children[number];
                 frame = below.turned(kind, child.turn);

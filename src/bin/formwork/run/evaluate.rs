@@ -93,7 +93,7 @@ fn name(path: Option<&Path>) -> String {
 }
 
 /// The points of a file. On a polygon that is split into quads a point needs its corner.
-fn listed(
+pub fn listed(
     given: &[points::Point],
     file: &str,
     mesh: &Mesh,

@@ -1,9 +1,12 @@
 //! What the commands do, one module each. Every one returns an [`Outcome`]; `main` prints it.
 
 pub mod batch;
+pub mod decompose;
+pub mod design;
 pub mod evaluate;
 pub mod inspect;
 pub mod operators;
+pub mod streamlines;
 pub mod subdivide;
 mod to_limit;
 pub mod validate;

@@ -49,7 +49,17 @@ pub fn run(args: &Request) -> Result<Outcome, Failure> {
     let inputs: Vec<_> = inputs.iter().map(|path| path.as_path()).collect();
     check_outputs(&inputs, &outputs)?;
     let fields = job.fields(writing.field.as_deref())?;
+    refine(args.command, &job, &fields, (levels, args.on_limit), writing)
+}
 
+/// Refines a cage with forms on it, puts it on its limit if so, and writes it.
+pub fn refine(
+    command: &str,
+    job: &Job,
+    fields: &Fields,
+    (levels, on_limit): (usize, bool),
+    writing: &Writing,
+) -> Result<Outcome, Failure> {
     let bar = progress_bar(job.progress, levels, "refining");
     let hierarchy =
         Hierarchy::with_progress(&job.cage, job.scheme, levels, |level| bar.set_position(work(level)))?;
@@ -60,7 +70,7 @@ pub fn run(args: &Request) -> Result<Outcome, Failure> {
         form2: fields.form2.as_ref().map(|form| hierarchy.subdivide(form)),
     };
     // The same operators serve every frame.
-    let limit = args.on_limit.then(|| ToLimit::new(&hierarchy, &fields)).transpose()?;
+    let limit = on_limit.then(|| ToLimit::new(&hierarchy, &fields)).transpose()?;
     let finish = |time: f64, positions: &Positions| {
         let positions = hierarchy.subdivide(positions);
         match &limit {
@@ -73,13 +83,13 @@ pub fn run(args: &Request) -> Result<Outcome, Failure> {
 
     let finest = hierarchy.finest();
     // On level 0, holes are tags of the cage like any other.
-    let left_out = match (levels, args.on_limit) {
+    let left_out = match (levels, on_limit) {
         (0, false) => vec![false; finest.mesh().num_faces()],
         _ => finest.tags().face_hole.clone(),
     };
     let sharp = finest.tags().edge_sharpness.iter().map(|&sharpness| sharpness >= INFINITELY_SHARP);
     let steps = (1..=levels).map(|l| (hierarchy.level(l - 1).mesh(), hierarchy.refinement(l).split()));
-    let refine = |values: &Cochain<0>| {
+    let follow = |values: &Cochain<0>| {
         let refined = hierarchy.subdivide(values);
         match &limit {
             Some(limit) => limit.values(&refined),
@@ -90,13 +100,13 @@ pub fn run(args: &Request) -> Result<Outcome, Failure> {
     let mut surface = Surface::new(levels, finest.mesh(), &rest.positions, fields, &left_out)?
         .of(&job.asset)
         .with_sharp_edges(sharp.collect())
-        .with_ancestry(Ancestry::new(steps.collect(), finest.mesh(), &refine))
+        .with_ancestry(Ancestry::new(steps.collect(), finest.mesh(), &follow))
         .with_frames(frames.collect())?;
     if let Some(at_vertices) = rest.at_vertices {
         surface = surface.on_limit(at_vertices);
     }
     let saved = io::save(&writing.output, &surface, SaveOptions { tangents: writing.tangents })?;
-    let mut outcome = outcome(args.command, &job, &surface, &saved);
+    let mut outcome = outcome(command, job, &surface, &saved);
     outcome.notes.extend(limit.as_ref().and_then(|limit| limit.note()));
     Ok(outcome)
 }
