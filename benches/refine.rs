@@ -7,13 +7,14 @@ mod common;
 
 use std::hint::black_box;
 
-use common::{RUNS, Random, meshes, paired};
+use common::surfaces::irregular;
+use common::{RUNS, meshes, paired, peak_memory};
 use criterion::Criterion;
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::{OsdScheme, Refiner};
 use formwork::scheme::Scheme;
-use formwork::topology::{Cage, Crease, Descriptor};
+use formwork::topology::Cage;
 
 fn main() {
     let mut criterion = Criterion::default().sample_size(10).configure_from_args();
@@ -38,23 +39,6 @@ fn main() {
 
 fn regular(side: u32) -> Cage {
     Cage::new(meshes::grid(side, side, false)).unwrap()
-}
-
-/// A grid with two cells in eight cut into triangles, one in eight merged where it can be, none missing,
-/// and one edge in fifty creased.
-fn irregular(side: u32) -> Cage {
-    let mut random = Random::new();
-    let cuts: Vec<u8> = (0..side * side).map(|_| 1 + random.below(7) as u8).collect();
-    let mut d: Descriptor = meshes::cut_grid(side, side, false, &cuts);
-    let mut start = 0;
-    for &size in &d.face_sizes {
-        let edge = [d.face_vertices[start], d.face_vertices[start + 1]];
-        start += size as usize;
-        if random.below(25) == 0 {
-            d.creases.push(Crease { vertices: edge, sharpness: [1.5, 10.0][random.below(2) as usize] });
-        }
-    }
-    Cage::new(d).unwrap()
 }
 
 fn one_step(criterion: &mut Criterion) {
@@ -126,10 +110,4 @@ fn per_face(cage: &Cage) {
     let faces = hierarchy.finest().mesh().num_faces();
     let [hierarchy, matrices, apply] = times.map(|ms| ms * 1e6 / faces as f64);
     println!("{faces:>12} {hierarchy:>10.0} {matrices:>16.0} {apply:>12.1}");
-}
-
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    line.trim().trim_end_matches("kB").trim().parse::<u64>().ok().map(|kib| kib << 10)
 }

@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 use walk::{Found, Walk};
 
-use super::frame::{Frame, child_corner};
+use super::frame::Frame;
 use super::patch::{self, Jet};
 use super::tables::Tables;
 use crate::cochain::{Cochain, Value};
@@ -226,28 +226,13 @@ impl LimitSurface {
 
     /// The face of the finest level that holds a point, and the frame of its patch there.
     fn locate(&self, point: &SurfacePoint) -> (u32, Frame) {
-        let SurfacePoint { face, corner, s, t } = *point;
-        let (kind, cage) = (self.hierarchy.split_kind(), self.hierarchy.level(0).mesh());
-        let mut frame = Frame::new(s, t);
-        let mut corner = cage.corners(face).start + corner;
-        for level in 1..=self.hierarchy.num_levels() {
-            let (parent, child) =
-                (self.hierarchy.level(level - 1).mesh(), self.hierarchy.level(level).mesh());
-            let split = self.hierarchy.refinement(level).split();
-            if kind == SplitKind::Quad && parent.face_size(parent.corner_face(corner)) != 4 {
-                corner = split.corner_at(parent, corner);
-            } else {
-                let (number, below) = frame.descend(kind);
-                corner = child_corner(split, parent, child, corner, number);
-                frame = below;
-            }
-        }
+        let (corner, frame) = pieces::finest_corner(&self.hierarchy, point);
         let mesh = self.hierarchy.finest().mesh();
         let face = mesh.corner_face(corner);
         let size = mesh.face_size(face);
         let place = (corner - mesh.corners(face).start) as usize;
         let steps = (self.patches[face as usize].origin as usize + size - place) % size;
-        (face, frame.turned(kind, steps))
+        (face, frame.turned(self.hierarchy.split_kind(), steps))
     }
 }
 

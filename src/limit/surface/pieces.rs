@@ -5,6 +5,26 @@ use super::point::SurfacePoint;
 use crate::hierarchy::Hierarchy;
 use crate::topology::{HalfEdge, Mesh, SplitKind};
 
+/// The corner of the finest level in whose face a point lies, and the point's frame there.
+pub(super) fn finest_corner(hierarchy: &Hierarchy, point: &SurfacePoint) -> (u32, Frame) {
+    let SurfacePoint { face, corner, s, t } = *point;
+    let (kind, cage) = (hierarchy.split_kind(), hierarchy.level(0).mesh());
+    let mut frame = Frame::new(s, t);
+    let mut corner = cage.corners(face).start + corner;
+    for level in 1..=hierarchy.num_levels() {
+        let (parent, child) = (hierarchy.level(level - 1).mesh(), hierarchy.level(level).mesh());
+        let split = hierarchy.refinement(level).split();
+        if kind == SplitKind::Quad && parent.face_size(parent.corner_face(corner)) != 4 {
+            corner = split.corner_at(parent, corner);
+        } else {
+            let (number, below) = frame.descend(kind);
+            corner = child_corner(split, parent, child, corner, number);
+            frame = below;
+        }
+    }
+    (corner, frame)
+}
+
 /// The faces of the finest level of a hierarchy, each with parameters of its own: `u`, `v` from 0 to 1 from its start
 /// corner along the edges that leave and reach it, on triangles with `u + v <= 1`. They are the cage's parameters but for
 /// scale and offset, so forms and surfaces can be evaluated in them.
@@ -123,22 +143,8 @@ impl<'a> Pieces<'a> {
 
     /// The piece that holds a point of the surface.
     pub fn locate(&self, point: &SurfacePoint) -> PiecePoint {
-        let SurfacePoint { face, corner, s, t } = *point;
-        let (kind, cage) = (self.hierarchy.split_kind(), self.hierarchy.level(0).mesh());
-        let mut frame = Frame::new(s, t);
-        let mut corner = cage.corners(face).start + corner;
-        for level in 1..=self.hierarchy.num_levels() {
-            let (parent, child) =
-                (self.hierarchy.level(level - 1).mesh(), self.hierarchy.level(level).mesh());
-            let split = self.hierarchy.refinement(level).split();
-            if kind == SplitKind::Quad && parent.face_size(parent.corner_face(corner)) != 4 {
-                corner = split.corner_at(parent, corner);
-            } else {
-                let (number, below) = frame.descend(kind);
-                corner = child_corner(split, parent, child, corner, number);
-                frame = below;
-            }
-        }
+        let kind = self.hierarchy.split_kind();
+        let (corner, frame) = finest_corner(self.hierarchy, point);
         let (mesh, n) = (self.mesh(), self.num_corners() as u32);
         let face = mesh.corner_face(corner);
         let steps = (self.list[face as usize].start + n - corner) % n;
