@@ -9,7 +9,7 @@ use formwork::design::{Condition, Hodge, Homology, Metric};
 use formwork::limit::LimitSurface;
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
 use formwork::sparse::apply;
-use formwork::topology::Cage;
+use formwork::topology::{Cage, HalfEdge};
 
 pub fn scheme(cage: &Cage) -> Scheme {
     match cage.descriptor().face_sizes.iter().all(|&n| n == 3) {
@@ -50,6 +50,15 @@ fn check(solid: &Solid, metric: Metric, conditions: &[Condition], betti: usize) 
     }
     let sum = forms[0].clone() + forms[1].clone() + forms[2].clone();
     worst[1] = largest((sum + c.clone() * -1.0).values()) / largest(c.values());
+    // The coexact part is the codifferential of its stream function.
+    let image = hodge.mass(&parts.coexact);
+    let size = largest(image.values()).max(f64::MIN_POSITIVE);
+    for e in (0..mesh.num_edges() as u32).filter(|&e| !hodge.homology().is_fixed_edge(e)) {
+        let h = HalfEdge::new(e, true);
+        let at = |h| mesh.left_corner(h).map_or(0.0, |c| parts.stream[mesh.corner_face(c) as usize]);
+        let off = (at(h) - at(h.twin()) - image[e as usize]).abs();
+        assert!(off < 1e-11 * size, "{name}: the stream function is {:e} off at edge {e}", off / size);
+    }
     // d d a = 0 and d h = 0: sums of a few numbers.
     let scale = largest(c.values());
     worst[2] = largest(parts.exact.exterior_derivative(mesh).values()) / scale;

@@ -45,6 +45,10 @@ pub struct Decomposition {
     pub exact: Cochain<1>,
     /// What has curl but no divergence: orthogonal to every exact and every harmonic cochain.
     pub coexact: Cochain<1>,
+    /// The stream function `y` of the coexact part, tested with each face's 2-form: `M1 k = d1' y` at every edge but those
+    /// of normal loops, that is, `k = delta b` weakly with `y = M2 b`. 0 at one face of each component that has no
+    /// tangential loop, and beyond these.
+    pub stream: Cochain<2>,
     /// No curl, no divergence.
     pub harmonic: Cochain<1>,
     /// The circulation of the harmonic part round the cycle of each generator.
@@ -280,10 +284,13 @@ impl<'a> Hodge<'a> {
         let coefficients = self.remove_harmonic(&mut rest, 2);
         let harmonic = combination(&self.orthonormal, coefficients.as_slice(), rest.len());
         let circulations = &self.to_orthonormal * coefficients;
+        // With W `Homology::with_curl`, d1 W y = y wherever curl balances, so y = W' d1' y.
+        let stream = self.homology.of_curl(self.mesh(), &apply(&self.product.mass, &rest));
         Decomposition {
             exact: potential.exterior_derivative(self.mesh()),
             potential,
             coexact: Cochain::new(rest),
+            stream: Cochain::new(stream),
             harmonic: Cochain::new(harmonic),
             circulations: circulations.as_slice().to_vec(),
         }

@@ -38,7 +38,9 @@ Examples:
 pub const DECOMPOSE: &str = "\
 c = d0 a + k + h: without curl, without divergence, without either; orthogonal
 to each other in the metric. What is written, one number for each cell:
-  vertices a (potential)       edges the edges as [a, b]
+  potential                    a, on vertices; exact = d0 a
+  stream                       y, on faces: M1 coexact = d1' y
+  edges                        their ends, as [a, b]
   exact, coexact, harmonic     values on the edges, in their directions
   circulations                 of h round the cycle of each generator
   cycles                       these cycles, as lists of vertices (JSON only)

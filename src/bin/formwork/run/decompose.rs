@@ -30,11 +30,13 @@ pub fn run(args: &Decompose) -> Result<Outcome, Failure> {
     let named = [("exact", &parts.exact), ("coexact", &parts.coexact), ("harmonic", &parts.harmonic)];
     if format == "npz" {
         let ends: Vec<u32> = mesh.edges().iter().flatten().copied().collect();
-        let (v, e, g) = ([mesh.num_vertices()], [mesh.num_edges()], [parts.circulations.len()]);
+        let (v, e, f) = ([mesh.num_vertices()], [mesh.num_edges()], [mesh.num_faces()]);
+        let g = [parts.circulations.len()];
         let pairs = [mesh.num_edges(), 2];
         let mut arrays = vec![
             ("edges", &pairs[..], Array::Indices(&ends)),
             ("potential", &v[..], Array::Floats(parts.potential.values())),
+            ("stream", &f[..], Array::Floats(parts.stream.values())),
             ("circulations", &g[..], Array::Floats(&parts.circulations)),
         ];
         arrays.extend(named.iter().map(|(name, part)| (*name, &e[..], Array::Floats(part.values()))));
@@ -46,6 +48,7 @@ pub fn run(args: &Decompose) -> Result<Outcome, Failure> {
         let object = json!({
             "edges": mesh.edges(),
             "potential": parts.potential.values(),
+            "stream": parts.stream.values(),
             "exact": parts.exact.values(),
             "coexact": parts.coexact.values(),
             "harmonic": parts.harmonic.values(),
