@@ -4,11 +4,14 @@
 mod common;
 
 use common::shapes::{Shape, shapes};
-use common::{assert_laws, triangle_schemes};
+use common::{EXACT, assert_laws, meshes, triangle_schemes};
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
-use formwork::scheme::{DooSabin, Scheme};
-use formwork::topology::{Cage, HalfEdge, Parent, SplitKind, TopologyError};
+use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
+use formwork::sparse::{max_difference, multiply};
+use formwork::topology::{Cage, Crease, HalfEdge, Parent, SplitKind, TopologyError};
+
+const LOOP: Scheme = Scheme::Loop(Variant::Loop, BoundaryRule::Reflect);
 
 /// Shapes whose faces repeat a vertex: refused as they are, sound once collapsed.
 const COLLAPSED_POLES: [&str; 2] = ["catmark_nonman_quadpole8", "catmark_nonman_quadpole360"];
@@ -38,6 +41,42 @@ fn assert_laws_on_shapes(family: &str, schemes: &[Scheme]) {
         }
     }
     println!("{} {family} shapes: worst law {worst:.1e}, worst S0 weight {worst_s0:.1e}", shapes.len());
+}
+
+/// Operators over several levels against the products of those of each level.
+fn assert_composed(name: &str, cage: &Cage, scheme: Scheme) {
+    let hierarchy = Hierarchy::new(cage, scheme, 3).unwrap_or_else(|error| panic!("{name}: {error}"));
+    for degree in 0..3 {
+        for (from, to) in [(0, 2), (0, 3), (1, 3)] {
+            let steps = (from + 2..=to).map(|level| hierarchy.operator(degree, level));
+            let first = hierarchy.operator(degree, from + 1);
+            let product = steps.fold(first, |product, step| multiply(&step, &product));
+            let off = max_difference(&hierarchy.composed_operator(degree, from, to), &product);
+            assert!(off <= EXACT, "{name}, {scheme:?}, degree {degree}, {from} to {to}: {off:e}");
+        }
+    }
+}
+
+#[test]
+fn composed_operators_are_products() {
+    for shape in shapes("catmark").unwrap_or_default() {
+        assert_composed(&shape.name, &cage(&shape), Scheme::default());
+    }
+    for shape in shapes("loop").unwrap_or_default() {
+        for scheme in triangle_schemes() {
+            assert_composed(&shape.name, &cage(&shape), scheme);
+        }
+    }
+    for shape in shapes("bilinear").unwrap_or_default() {
+        assert_composed(&shape.name, &cage(&shape), Scheme::Bilinear);
+    }
+    // Polygons, creases that decay, an isolated vertex, irregular triangles; a valence that is searched.
+    let mut alone = meshes::cut_grid(6, 6, false, &[1, 3, 7, 2, 5, 4, 6].repeat(6)[..36]);
+    alone.num_vertices += 1;
+    alone.creases = vec![Crease { vertices: [8, 9], sharpness: 1.5 }];
+    assert_composed("an isolated vertex", &Cage::new(alone).unwrap(), Scheme::default());
+    assert_composed("a fan", &Cage::new(meshes::triangle_fan(40, true)).unwrap(), LOOP);
+    assert_composed("a bipyramid", &Cage::new(meshes::bipyramid(7)).unwrap(), LOOP);
 }
 
 #[test]

@@ -42,14 +42,14 @@ impl FormworkStencils {
             )));
         }
         let hierarchy = hierarchy.levels();
-        let mut product = step(hierarchy, degree, from + 1);
+        if !intermediate {
+            return Self::new(vec![hierarchy.composed_operator(degree, from, to)]);
+        }
+        let mut product = hierarchy.operator(degree, from + 1);
         let mut parts = Vec::new();
         for level in from + 2..=to {
-            let next = multiply(&step(hierarchy, degree, level), &product);
-            let done = std::mem::replace(&mut product, next);
-            if intermediate {
-                parts.push(done);
-            }
+            let next = multiply(&hierarchy.operator(degree, level), &product);
+            parts.push(std::mem::replace(&mut product, next));
         }
         parts.push(product);
         Self::new(parts)
@@ -186,18 +186,9 @@ fn points(mesh: &Mesh, tangents: &LimitTangents, place: u32) -> Result<Vec<Point
     }
 }
 
-fn step(hierarchy: &Hierarchy, degree: usize, level: usize) -> Csr {
-    let (refinement, parent) = (hierarchy.refinement(level), hierarchy.level(level - 1).mesh());
-    match degree {
-        0 => refinement.s0(parent),
-        1 => refinement.s1(parent),
-        _ => refinement.s2(parent),
-    }
-}
-
 /// `rows`, which act on `level`, after refinement from level `from`.
 fn refined_first(hierarchy: &Hierarchy, degree: usize, rows: Csr, from: usize, level: usize) -> Csr {
-    (from + 1..=level).rev().fold(rows, |rows, level| multiply(&rows, &step(hierarchy, degree, level)))
+    (from + 1..=level).rev().fold(rows, |rows, level| multiply(&rows, &hierarchy.operator(degree, level)))
 }
 
 fn from_to(hierarchy: &FormworkHierarchy, levels: [i32; 2]) -> Result<[usize; 2], Invalid> {

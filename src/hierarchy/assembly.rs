@@ -6,14 +6,54 @@ use crate::scheme::Regular;
 use crate::sparse::{Csr, Exceptions, assemble, assemble_in_place};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, SplitKind};
 
-/// The terms of a row.
-type Terms = Vec<(u32, f64)>;
+/// The most terms of a regular row. Centres of larger polygons count as exceptions.
+const LONGEST: usize = 10;
+
+/// The terms of a regular row, in any order, no column twice.
+#[derive(Default)]
+struct Terms {
+    columns: [u32; LONGEST],
+    weights: [f64; LONGEST],
+    len: usize,
+}
+
+impl Terms {
+    #[inline]
+    fn push(&mut self, column: u32, weight: f64) {
+        (self.columns[self.len], self.weights[self.len]) = (column, weight);
+        self.len += 1;
+    }
+
+    /// Writes them in the order of their columns: each goes straight to its place, which is the number of smaller columns.
+    /// All are compared with all, some at once and without branches, which beats a sort for so few.
+    #[inline]
+    fn write<const N: usize>(&self, columns: &mut [u32], weights: &mut [f64]) {
+        let columns: &mut [u32; N] = columns.try_into().expect("a regular row has its length");
+        let weights: &mut [f64; N] = weights.try_into().expect("a regular row has its length");
+        // Columns are below 2^31; processors compare signed numbers more readily.
+        let keys: [i32; N] = std::array::from_fn(|i| self.columns[i] as i32);
+        let mut places = [0; N];
+        for key in keys {
+            for (place, other) in places.iter_mut().zip(keys) {
+                *place += i32::from(key < other);
+            }
+        }
+        for i in 0..N {
+            let place = places[i] as usize;
+            (columns[place], weights[place]) = (self.columns[i], self.weights[i]);
+        }
+    }
+}
 
 pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
     let shape = (r.split.num_children(0), parent.num_vertices());
     let exceptions = Exceptions::collect(
         shape,
-        |vertex| r.homotopy.h0.position(vertex).is_some(),
+        |vertex| {
+            let large = |f| parent.face_size(f) > LONGEST;
+            let polygon = matches!(r.split.vertex_parent(vertex), Parent::Face(f) if large(f));
+            polygon || r.homotopy.h0.position(vertex).is_some()
+        },
         |vertex, row| r.add_s0_row(parent, vertex, 1.0, row),
     );
     let regular = r.homotopy.regular;
@@ -28,7 +68,7 @@ pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
         Parent::Face(f) => parent.face_size(f),
     };
     fill(shape, &exceptions, length, |vertex, terms| {
-        regular.s0(parent, r.split.vertex_parent(vertex), |v, weight| terms.push((v, weight)));
+        regular.s0(parent, r.split.vertex_parent(vertex), |v, weight| terms.push(v, weight));
     })
 }
 
@@ -45,7 +85,7 @@ pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
     let continued = |h: HalfEdge| r.continued(h);
     fill(shape, &r.s1_exceptions, length, |edge, terms| {
         // Said twice, so that each branch is compiled for its own kind of row.
-        let push = |h: HalfEdge, weight: f64| terms.push((h.edge(), weight * h.sign()));
+        let push = |h: HalfEdge, weight: f64| terms.push(h.edge(), weight * h.sign());
         match r.split.edge_parent(edge) {
             place @ ChildEdge::Odd(_) => regular.s1(parent, kind, place, continued, push),
             place @ ChildEdge::Even(_) => regular.s1(parent, kind, place, continued, push),
@@ -67,7 +107,7 @@ pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
         _ => 4,
     };
     fill(shape, &exceptions, length, |face, terms| {
-        regular.s2(parent, &r.split, face, |f, weight| terms.push((f, weight)));
+        regular.s2(parent, &r.split, face, |f, weight| terms.push(f, weight));
     })
 }
 
@@ -87,7 +127,7 @@ fn fill(
         None => length(row),
     });
     assemble_in_place(shape, lengths, |rows, offsets, columns, weights| {
-        let mut terms = Terms::new();
+        let mut terms = Terms::default();
         let mut members = exceptions.among(rows.clone()).peekable();
         let base = offsets[rows.start];
         for row in rows {
@@ -100,29 +140,30 @@ fn fill(
                     weights.copy_from_slice(stored_weights);
                 }
                 None => {
-                    terms.clear();
+                    terms.len = 0;
                     regular(row, &mut terms);
-                    write_sorted(&mut terms, columns, weights);
+                    write_sorted(&terms, columns, weights);
                 }
             }
         }
     })
 }
 
-/// Rows are short: putting each term where it belongs beats a general sort.
 #[inline]
-fn write_sorted(terms: &mut [(u32, f64)], columns: &mut [u32], weights: &mut [f64]) {
-    assert_eq!(terms.len(), columns.len(), "a regular row of another length");
-    for i in 1..terms.len() {
-        let term = terms[i];
-        let mut at = i;
-        while at > 0 && terms[at - 1].0 > term.0 {
-            terms[at] = terms[at - 1];
-            at -= 1;
-        }
-        terms[at] = term;
-    }
-    for ((column, weight), term) in columns.iter_mut().zip(weights).zip(terms) {
-        (*column, *weight) = *term;
+fn write_sorted(terms: &Terms, columns: &mut [u32], weights: &mut [f64]) {
+    assert_eq!(terms.len, columns.len(), "a regular row of another length");
+    match terms.len {
+        0 => {}
+        1 => terms.write::<1>(columns, weights),
+        2 => terms.write::<2>(columns, weights),
+        3 => terms.write::<3>(columns, weights),
+        4 => terms.write::<4>(columns, weights),
+        5 => terms.write::<5>(columns, weights),
+        6 => terms.write::<6>(columns, weights),
+        7 => terms.write::<7>(columns, weights),
+        8 => terms.write::<8>(columns, weights),
+        9 => terms.write::<9>(columns, weights),
+        10 => terms.write::<10>(columns, weights),
+        len => unreachable!("no regular row has {len} terms"),
     }
 }

@@ -2,6 +2,7 @@
 
 mod assembly;
 mod budget;
+mod composed;
 mod kernel;
 mod level;
 mod refinement;
@@ -14,8 +15,8 @@ pub use refinement::{Operators, Refinement};
 use crate::cochain::{Cochain, Quantity};
 use crate::osd::{MAX_LEVELS, OsdError, OsdScheme, Refiner};
 use crate::scheme::{Scheme, SchemeError};
-use crate::sparse::{Csr, multiply};
-use crate::topology::{Cage, Mesh, Split, SplitKind, TopologyError};
+use crate::sparse::Csr;
+use crate::topology::{Cage, Split, SplitKind, TopologyError};
 
 /// A control cage refined a number of times, with the operators between the levels.
 ///
@@ -225,19 +226,39 @@ impl Hierarchy {
 }
 
 impl Hierarchy {
-    /// The operators from the cage straight to `level`, the products of those of the levels between. Rows grow with
-    /// the level (on quads `S1` has 5, 11, 17, 22, .. entries a row, on triangles 9, 16, 20, ..), so refining
+    /// One of the operators from `level - 1` to `level`: `S0`, `S1` or `S2`.
+    ///
+    /// # Panics
+    /// If `degree > 2`, `level` is 0 or there is no such level.
+    pub fn operator(&self, degree: usize, level: usize) -> Csr {
+        let (refinement, parent) = (self.refinement(level), self.level(level - 1).mesh());
+        match degree {
+            0 => refinement.s0(parent),
+            1 => refinement.s1(parent),
+            2 => refinement.s2(parent),
+            _ => panic!("a surface has no forms of degree {degree}"),
+        }
+    }
+
+    /// The operator of one degree from level `from` straight to level `to`: the product of those between. Rows grow with
+    /// the levels (on quads `S1` has 5, 11, 17, 22, .. entries a row, on triangles 9, 16, 20, ..), so refining
     /// level by level is cheaper unless one row is needed by itself.
+    ///
+    /// # Panics
+    /// If `degree > 2`, `from >= to` or there is no such level.
+    pub fn composed_operator(&self, degree: usize, from: usize, to: usize) -> Csr {
+        assert!(from < to, "operators lead from a level to a later one");
+        composed::operator(self, degree, [from, to])
+    }
+
+    /// [`Hierarchy::composed_operator`] from the cage to `level`, of each degree.
     ///
     /// # Panics
     /// If `level` is 0 or there is no such level.
     pub fn composed_operators(&self, level: usize) -> Operators {
-        let product = |operator: &dyn Fn(&Refinement, &Mesh) -> Csr| {
-            let step = |l: usize| operator(self.refinement(l), self.level(l - 1).mesh());
-            (2..=level).fold(step(1), |product, l| multiply(&step(l), &product))
-        };
         // One after the other, each in parallel: their sum is what memory has to hold.
-        Operators { s0: product(&Refinement::s0), s1: product(&Refinement::s1), s2: product(&Refinement::s2) }
+        let [s0, s1, s2] = [0, 1, 2].map(|degree| self.composed_operator(degree, 0, level));
+        Operators { s0, s1, s2 }
     }
 }
 

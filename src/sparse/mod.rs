@@ -88,7 +88,7 @@ impl Row {
 
 /// A run of consecutive finished rows.
 #[derive(Default)]
-struct Part {
+pub(crate) struct Part {
     row_ends: Vec<usize>,
     columns: Vec<u32>,
     weights: Vec<f64>,
@@ -104,6 +104,23 @@ impl Part {
 
     fn end_row(&mut self) {
         self.row_ends.push(self.columns.len());
+    }
+
+    /// A row of these columns, ascending, less those whose weight is dust.
+    #[inline]
+    pub fn push_row(&mut self, columns: &[u32], weight: impl Fn(u32) -> f64) {
+        // Every column is written, the next one over it if it is dust: no branch to guess.
+        let mut end = self.columns.len();
+        self.columns.extend_from_slice(columns);
+        self.weights.resize(end + columns.len(), 0.0);
+        for &column in columns {
+            let weight = weight(column);
+            (self.columns[end], self.weights[end]) = (column, weight);
+            end += usize::from(weight.abs() > ROUNDING_DUST);
+        }
+        self.columns.truncate(end);
+        self.weights.truncate(end);
+        self.end_row();
     }
 }
 
@@ -121,7 +138,7 @@ pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) ->
 }
 
 /// Builds a matrix from runs of rows, `fill(rows, part)` each.
-fn assemble_parts(shape: (usize, usize), fill: impl Fn(Range<usize>, &mut Part) + Sync) -> Csr {
+pub(crate) fn assemble_parts(shape: (usize, usize), fill: impl Fn(Range<usize>, &mut Part) + Sync) -> Csr {
     let rows = shape.0;
     let rows_per_part = (rows / (4 * rayon::current_num_threads())).max(1024);
     let parts: Vec<Part> = (0..rows.div_ceil(rows_per_part))
