@@ -22,9 +22,11 @@
 //! nothing in its kernel but constants.
 
 mod element;
+mod metric;
 mod quadrature;
 
 pub use element::Elements;
+pub use metric::Metric;
 pub use quadrature::{Quadrature, gauss, square, triangle};
 
 use crate::sparse::{Csr, multiply};
