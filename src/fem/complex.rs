@@ -1,7 +1,8 @@
 //! Complexes of cochains with inner products.
 
-use super::FemError;
+use super::{Elements, FemError};
 use crate::sparse::{Csr, assemble, row_of};
+use crate::topology::Mesh;
 
 /// Cochains of degree 0, 1 and 2 with their exterior derivatives and inner products: a Hilbert complex of finite
 /// dimension, as in Arnold, Falk, Winther, "Finite element exterior calculus: from Hodge theory to numerical stability",
@@ -12,6 +13,40 @@ use crate::sparse::{Csr, assemble, row_of};
 pub struct HilbertComplex {
     mass: [Csr; 3],
     d: [Csr; 2],
+    /// For each degree the cells whose coefficients are kept at 0, ascending.
+    pinned: [Vec<u32>; 3],
+}
+
+impl Elements<'_> {
+    /// The complex of the limit forms whose coefficients are on a level of the surface's hierarchy: each lies in the
+    /// next. All are on the same surface, in the same metric.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn complex(&self, level: usize) -> HilbertComplex {
+        self.complex_on(level, |_| 1.0)
+    }
+
+    /// [`Elements::complex`], with the integral over each face of the finest level times its weight: 0 outside a domain.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn complex_on(&self, level: usize, weight: impl Fn(u32) -> f64 + Sync) -> HilbertComplex {
+        let mesh = self.surface().hierarchy().level(level).mesh();
+        let mass = [0, 1, 2].map(|k| self.mass_on(level, k, &weight));
+        HilbertComplex::new(mass, [mesh.d0(), mesh.d1()])
+    }
+}
+
+/// The cells of a mesh that are not on its boundary, for [`HilbertComplex::restricted`]: functions that vanish on the
+/// boundary, 1-forms that vanish along it, and all 2-forms.
+pub fn interior(mesh: &Mesh) -> [Vec<bool>; 3] {
+    let edges: Vec<bool> = (0..mesh.num_edges() as u32).map(|e| !mesh.is_boundary_edge(e)).collect();
+    let mut vertices = vec![true; mesh.num_vertices()];
+    for (&[a, b], _) in mesh.edges().iter().zip(&edges).filter(|(_, inside)| !**inside) {
+        (vertices[a as usize], vertices[b as usize]) = (false, false);
+    }
+    [vertices, edges, vec![true; mesh.num_faces()]]
 }
 
 impl HilbertComplex {
@@ -26,7 +61,7 @@ impl HilbertComplex {
         for k in 0..2 {
             assert_eq!(d[k].shape(), (mass[k + 1].rows(), mass[k].rows()), "d{k} does not fit the masses");
         }
-        HilbertComplex { mass, d }
+        HilbertComplex { mass, d, pinned: Default::default() }
     }
 
     /// The mass of the forms of a degree.
@@ -43,6 +78,23 @@ impl HilbertComplex {
     /// If `degree > 1`.
     pub fn d(&self, degree: usize) -> &Csr {
         &self.d[degree]
+    }
+
+    /// The complex with the coefficients of some cells kept at 0, where the basis is dependent: one for each relation,
+    /// from a cell that takes part in it. The forms stay all that they were.
+    ///
+    /// # Panics
+    /// If there is no such degree or cell.
+    pub fn pinned(mut self, degree: usize, cells: &[u32]) -> Self {
+        assert!(cells.iter().all(|&cell| (cell as usize) < self.len(degree)), "a cell of another complex");
+        self.pinned[degree].extend(cells);
+        self.pinned[degree].sort_unstable();
+        self
+    }
+
+    /// Whether a coefficient is kept at 0.
+    pub(super) fn is_pinned(&self, degree: usize, cell: u32) -> bool {
+        self.pinned[degree].binary_search(&cell).is_ok()
     }
 
     /// The number of unknowns of a degree.
@@ -99,6 +151,10 @@ impl HilbertComplex {
         HilbertComplex {
             mass: [0, 1, 2].map(|k| block(&self.mass[k], &new[k], &new[k])),
             d: [0, 1].map(|k| block(&self.d[k], &new[k + 1], &new[k])),
+            pinned: [0, 1, 2].map(|k| {
+                let kept = self.pinned[k].iter().map(|&cell| new[k][cell as usize]);
+                kept.filter(|&cell| cell != u32::MAX).collect()
+            }),
         }
     }
 

@@ -134,9 +134,14 @@ impl<'a> Elements<'a> {
     /// # Panics
     /// If `degree > 2`.
     pub fn weighted_mass(&self, degree: usize, weight: impl Fn(u32) -> f64 + Sync) -> Csr {
+        self.mass_on(0, degree, weight)
+    }
+
+    /// [`Elements::weighted_mass`], over the cells of a level of the surface's hierarchy.
+    pub(super) fn mass_on(&self, coarse: usize, degree: usize, weight: impl Fn(u32) -> f64 + Sync) -> Csr {
         let hierarchy = self.surface.hierarchy();
         let mut mass = self.gather(degree, weight);
-        for level in (1..=hierarchy.num_levels()).rev() {
+        for level in (coarse + 1..=hierarchy.num_levels()).rev() {
             let operators = hierarchy.operators(level);
             mass = sandwich([&operators.s0, &operators.s1, &operators.s2][degree], &mass);
         }

@@ -32,7 +32,7 @@ mod quadrature;
 mod resolvent;
 mod spectrum;
 
-pub use complex::HilbertComplex;
+pub use complex::{HilbertComplex, interior};
 pub use diffusion::{Diffusion, TimeRule};
 pub use element::Elements;
 pub use error::FemError;

@@ -1,7 +1,7 @@
 use super::complex::HilbertComplex;
 use super::ldlt::Ldlt;
 use super::{FemError, stiffness, transpose};
-use crate::sparse::{Csr, apply, assemble, inner, multiply};
+use crate::sparse::{Csr, apply, assemble, inner, multiply, row_of};
 
 /// `(Delta + s)^-1`, the resolvent of the Hodge Laplacian `Delta = d delta + delta d` of a degree, with one factorisation.
 ///
@@ -28,8 +28,13 @@ pub struct Resolvent<'a> {
     coupling: Csr,
     transposed: Csr,
     stiffness: Csr,
+    /// The unknowns that are kept at 0.
+    pinned: Vec<usize>,
     factor: Ldlt,
 }
+
+/// A condition from which on nothing is left of a solution.
+const SINGULAR: f64 = 1e15;
 
 /// A matrix times a number.
 fn scaled(matrix: &Csr, factor: f64) -> Csr {
@@ -68,22 +73,43 @@ impl<'a> Resolvent<'a> {
         };
         let transposed = transpose(&coupling);
         let below = lower.rows();
-        let matrix = assemble((below + n, below + n), |i, row| match i.checked_sub(below) {
-            None => {
-                row.add_row(&lower, i, -1.0);
-                let (columns, entries) = crate::sparse::row_of(&transposed, i);
-                columns.iter().zip(entries).for_each(|(&j, &x)| row.add(below as u32 + j, x));
+        let is_pinned = |i: usize| match i.checked_sub(below) {
+            None => complex.is_pinned(degree - 1, i as u32),
+            Some(i) => complex.is_pinned(degree, i as u32),
+        };
+        let pinned: Vec<usize> = (0..below + n).filter(|&i| is_pinned(i)).collect();
+        let fixed = |i: usize| pinned.binary_search(&i).is_ok();
+        let matrix = assemble((below + n, below + n), |i, row| {
+            if fixed(i) {
+                return row.add(i as u32, if i < below { -1.0 } else { 1.0 });
             }
-            Some(i) => {
-                row.add_row(&coupling, i, 1.0);
-                for (matrix, factor) in [(&stiffness, 1.0), (&mass, shift * unit)] {
-                    let (columns, entries) = crate::sparse::row_of(matrix, i);
-                    columns.iter().zip(entries).for_each(|(&j, &x)| row.add(below as u32 + j, factor * x));
+            let mut add = |matrix: &Csr, i: usize, offset: usize, factor: f64| {
+                let (columns, entries) = row_of(matrix, i);
+                for (&j, &x) in columns.iter().zip(entries) {
+                    if pinned.is_empty() || !fixed(offset + j as usize) {
+                        row.add(offset as u32 + j, factor * x);
+                    }
+                }
+            };
+            match i.checked_sub(below) {
+                None => {
+                    add(&lower, i, 0, -1.0);
+                    add(&transposed, i, below, 1.0);
+                }
+                Some(i) => {
+                    add(&coupling, i, 0, 1.0);
+                    add(&stiffness, i, below, 1.0);
+                    add(&mass, i, below, shift * unit);
                 }
             }
         });
         let factor = Ldlt::new(&matrix)?;
-        Ok(Resolvent { complex, degree, shift, unit, lower, mass, coupling, transposed, stiffness, factor })
+        let resolvent =
+            Resolvent { complex, degree, shift, unit, lower, mass, coupling, transposed, stiffness, pinned, factor };
+        match resolvent.condition() < SINGULAR {
+            true => Ok(resolvent),
+            false => Err(FemError::Singular),
+        }
     }
 
     /// A shift that suits spectra and solutions: the first eigenvalue that is not 0 is a few times as large on a
@@ -124,7 +150,7 @@ impl<'a> Resolvent<'a> {
     pub fn condition(&self) -> f64 {
         let (below, n) = (self.lower.rows(), self.unknowns());
         let sum = |matrix: &Csr, i: usize, factor: f64| {
-            let (_, entries) = crate::sparse::row_of(matrix, i);
+            let (_, entries) = row_of(matrix, i);
             factor * entries.iter().map(|x| x.abs()).sum::<f64>()
         };
         let norm = (0..n).map(|i| match i.checked_sub(below) {
@@ -171,6 +197,9 @@ impl<'a> Resolvent<'a> {
     /// Solves for pairs `(sigma, w)` with right-hand sides `(g, f)` in units of the mesh, in place: each vector has the
     /// unknowns of `sigma` first.
     pub(super) fn solve_pairs(&self, right: &mut [Vec<f64>]) {
+        for x in right.iter_mut() {
+            self.pinned.iter().for_each(|&i| x[i] = 0.0);
+        }
         self.factor.solve(right);
     }
 
@@ -183,7 +212,7 @@ impl<'a> Resolvent<'a> {
             right
         };
         let mut pairs: Vec<Vec<f64>> = weighed.iter().map(pad).collect();
-        self.factor.solve(&mut pairs);
+        self.solve_pairs(&mut pairs);
         pairs
     }
 
@@ -206,8 +235,8 @@ impl<'a> Resolvent<'a> {
         let (g, f) = right.split_at(self.below());
         let (m, b) = (apply(&self.lower, sigma), apply(&self.transposed, w));
         let (c, k) = (apply(&self.coupling, sigma), apply(&self.stiffness, w));
-        let first = g.iter().zip(m.iter().zip(&b)).map(|(g, (m, b))| g + m - b).collect();
-        let second = f.iter().zip(c.iter().zip(&k)).map(|(f, (c, k))| f - c - k).collect();
+        let first: Vec<f64> = g.iter().zip(m.iter().zip(&b)).map(|(g, (m, b))| g + m - b).collect();
+        let second: Vec<f64> = f.iter().zip(c.iter().zip(&k)).map(|(f, (c, k))| f - c - k).collect();
         [first, second]
     }
 }
