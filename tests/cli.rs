@@ -137,6 +137,7 @@ fn the_examples_in_the_help_run() {
         &["streamlines", "--help"],
         &["operators", "--help"],
         &["validate", "--help"],
+        &["study", "--help"],
         &["batch", "--help"],
         &["volume", "--help"],
         &["volume", "inspect", "--help"],

@@ -207,7 +207,12 @@ impl<'a> Elements<'a> {
     /// # Panics
     /// If `degree > 2`.
     pub fn weighted_mass(&self, degree: usize, weight: impl Fn(u32) -> f64 + Sync) -> Csr {
-        let mut mass = self.gather(degree, |face| self.scaled(degree, face, weight(face)));
+        self.mass_on(0, degree, weight)
+    }
+
+    /// [`Elements::weighted_mass`], over the cells of a level of the surface's hierarchy.
+    pub(super) fn mass_on(&self, level: usize, degree: usize, weight: impl Fn(u32) -> f64 + Sync) -> Csr {
+        let mut mass = self.gather_on(level, degree, |face| self.scaled(degree, face, weight(face)));
         let unit = [self.unit * self.unit, 1.0, 1.0 / (self.unit * self.unit)][degree];
         mass.data_mut().iter_mut().for_each(|x| *x *= unit);
         mass
@@ -216,6 +221,11 @@ impl<'a> Elements<'a> {
     /// The matrix of the cage whose elements are `local` of each face inside: each row of the finest level collects its
     /// entries from the elements that know its cell.
     pub(super) fn gather(&self, degree: usize, local: impl Fn(u32) -> Vec<f64> + Sync) -> Csr {
+        self.gather_on(0, degree, local)
+    }
+
+    /// [`Elements::gather`], over the cells of a level of the surface's hierarchy.
+    fn gather_on(&self, coarse: usize, degree: usize, local: impl Fn(u32) -> Vec<f64> + Sync) -> Csr {
         let hierarchy = self.surface.hierarchy();
         let mesh = hierarchy.finest().mesh();
         let faces = mesh.num_faces() as u32;
@@ -259,7 +269,7 @@ impl<'a> Elements<'a> {
                 }
             }
         });
-        for level in (1..=hierarchy.num_levels()).rev() {
+        for level in (coarse + 1..=hierarchy.num_levels()).rev() {
             let operators = hierarchy.operators(level);
             matrix = sandwich([&operators.s0, &operators.s1, &operators.s2][degree], &matrix);
         }

@@ -21,13 +21,34 @@
 //! edges (`1, 1, -1` along the three directions), and the 2-forms they bound, have the limit 0. `d0' M1 d0` has
 //! nothing in its kernel but constants.
 
+mod bvp;
+mod complex;
+mod diffusion;
 mod element;
+mod error;
+mod laplace;
+mod ldlt;
+mod pcg;
 mod metric;
 mod quadrature;
+mod resolvent;
+mod spectrum;
+pub mod study;
 
+pub use bvp::{
+    BoundaryProblem, Data, Errors, Imposed, MixedErrors, MixedProblem, MixedSolution, Operator, Solved, SpaceForm,
+};
+pub use complex::{HilbertComplex, interior};
+pub use diffusion::{Diffusion, TimeRule};
 pub use element::Elements;
+pub use error::FemError;
+pub use laplace::{HodgeLaplace, Solution};
+pub use ldlt::Ldlt;
+pub use pcg::{Iterated, conjugate_gradients};
 pub use metric::Metric;
 pub use quadrature::{Quadrature, gauss, square, triangle};
+pub use resolvent::Resolvent;
+pub use spectrum::Spectrum;
 
 use crate::sparse::{Csr, multiply};
 

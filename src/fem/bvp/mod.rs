@@ -1,11 +1,13 @@
 //! Boundary value problems of 1-forms, with all of the form prescribed on the boundary.
 
 mod features;
+mod mixed;
 mod relations;
 mod sides;
 mod solve;
 
 pub use features::Operator;
+pub use mixed::{MixedErrors, MixedProblem, MixedSolution};
 pub use solve::{Errors, Solved};
 
 use std::sync::Arc;
@@ -193,31 +195,56 @@ impl<'a, 'e> BoundaryProblem<'a, 'e> {
     /// The sums of a face.
     fn local(&self, face: u32, data: &Data, imposed: Imposed) -> Local {
         let (operator, surface) = (self.operator, self.elements.surface());
-        let number = surface.face_basis(face);
         let n = surface.face_cells(face).half_edges.len();
         let corners = self.elements.corners(face);
         let mut local = Local {
             energy: vec![0.0; n * n],
-            load: vec![0.0; n],
+            load: self.loads(face, &corners, data),
             traces: vec![0.0; n * n],
             data: vec![0.0; n],
         };
-        for point in &self.inside[number] {
-            let (position, Some(geometry)) = self.place(face, &corners, point) else { continue };
+        for point in self.inside_of(face) {
+            let (_, Some(geometry)) = self.place(face, &corners, point) else { continue };
             let rows: Vec<Features> =
                 point.jets.forms1.iter().map(|&w| features::inside(operator, &geometry, w)).collect();
             add(&mut local.energy, &rows, &features::energy(operator, &geometry), point.weight);
+        }
+        for points in self.rims(face) {
+            self.side(&mut local, face, &corners, points, data, imposed);
+        }
+        local
+    }
+
+    /// The points of a face.
+    fn inside_of(&self, face: u32) -> &[Point] {
+        &self.inside[self.elements.surface().face_basis(face)]
+    }
+
+    /// The points of each of its sides on the boundary.
+    fn rims(&self, face: u32) -> impl Iterator<Item = &Vec<Point>> {
+        let number = self.elements.surface().face_basis(face);
+        let is = move |i: &usize| self.sides[face as usize] >> i & 1 == 1;
+        (0..4).filter(is).map(move |i| &self.rim[4 * number + i])
+    }
+
+    /// Those of all of them.
+    fn rim_of(&self, face: u32) -> impl Iterator<Item = &Point> {
+        self.rims(face).flatten()
+    }
+
+    /// `<f, v>` over a face.
+    fn loads(&self, face: u32, corners: &[Vector3<f64>], data: &Data) -> Vec<f64> {
+        let mut sums = vec![0.0; self.elements.surface().face_cells(face).half_edges.len()];
+        for point in self.inside_of(face) {
+            let (position, Some(geometry)) = self.place(face, corners, point) else { continue };
             let [x, y] = self.load(data, &position, &geometry);
             let [a, b, c] = geometry.conjugate.map(|x| x.value() * point.weight);
-            for (sum, w) in local.load.iter_mut().zip(&point.jets.forms1) {
+            for (sum, w) in sums.iter_mut().zip(&point.jets.forms1) {
                 let [p, q] = w.map(|x| x.value());
                 *sum += p * (a * x + b * y) + q * (b * x + c * y);
             }
         }
-        for i in (0..4).filter(|i| self.sides[face as usize] >> i & 1 == 1) {
-            self.side(&mut local, face, &corners, &self.rim[4 * number + i], data, imposed);
-        }
-        local
+        sums
     }
 
     /// The sums of a side.

@@ -57,24 +57,31 @@ impl Kept {
         Kept { number, cells }
     }
 
-    fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         self.cells.len()
     }
 
-    fn matrix(&self, matrix: &Csr) -> Csr {
-        assemble((self.len(), self.len()), |i, row| {
-            let (columns, entries) = row_of(matrix, self.cells[i] as usize);
-            for (&j, &x) in columns.iter().zip(entries).filter(|(j, _)| self.number[**j as usize] != u32::MAX) {
-                row.add(self.number[j as usize], x);
+    pub fn matrix(&self, matrix: &Csr) -> Csr {
+        self.block(matrix, self)
+    }
+
+    /// The rows of these unknowns, the columns of those.
+    pub fn block(&self, matrix: &Csr, columns: &Kept) -> Csr {
+        assemble((self.len(), columns.len()), |i, row| {
+            let (cells, entries) = row_of(matrix, self.cells[i] as usize);
+            for (&j, &x) in cells.iter().zip(entries) {
+                if columns.number[j as usize] != u32::MAX {
+                    row.add(columns.number[j as usize], x);
+                }
             }
         })
     }
 
-    fn vector(&self, x: &[f64]) -> Vec<f64> {
+    pub fn vector(&self, x: &[f64]) -> Vec<f64> {
         self.cells.iter().map(|&cell| x[cell as usize]).collect()
     }
 
-    fn spread(&self, x: &[f64]) -> Vec<f64> {
+    pub fn spread(&self, x: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.number.len()];
         self.cells.iter().zip(x).for_each(|(&cell, &x)| all[cell as usize] = x);
         all
@@ -94,7 +101,7 @@ fn sum(a: &Csr, b: &Csr, factor: f64) -> Csr {
     })
 }
 
-fn norm(x: &[f64]) -> f64 {
+pub fn norm(x: &[f64]) -> f64 {
     inner(x, x).sqrt()
 }
 
@@ -198,7 +205,9 @@ impl BoundaryProblem<'_, '_> {
         let kept = Kept::new(edges.len(), |e| edges[e as usize]);
         let mass = kept.matrix(&self.elements.mass(1));
         let solution = Data { solution: data.solution.clone(), load: Some(data.solution.clone()) };
-        let load = self.elements.gather_vector(1, |face| self.local(face, &solution, Imposed::Means).load);
+        let load = self.elements.gather_vector(1, |face| {
+            self.loads(face, &self.elements.corners(face), &solution)
+        });
         let (x, residual) = solve(&mass, &kept.vector(&load))?;
         Ok(Solved { form: Cochain::new(kept.spread(&x)), unknowns: kept.len(), residual, off: 0.0 })
     }
@@ -222,7 +231,7 @@ impl BoundaryProblem<'_, '_> {
                 .iter()
                 .map(|&h| HalfEdge(h).sign() * fine.values()[HalfEdge(h).edge() as usize])
                 .collect();
-            for point in &self.inside[surface.face_basis(face)] {
+            for point in self.inside_of(face) {
                 let (position, Some(g)) = self.place(face, &corners, point) else { continue };
                 let exact = data.solution.pull(&position);
                 let zero = [Taylor::constant(0.0); 2];
@@ -250,7 +259,7 @@ impl BoundaryProblem<'_, '_> {
     }
 }
 
-fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+pub fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 

@@ -40,6 +40,14 @@ impl Cells {
         }
     }
 
+    /// What they are called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Cells::Quads => "quads",
+            Cells::Triangles => "triangles",
+        }
+    }
+
     fn scheme(self) -> Scheme {
         match self {
             Cells::Quads => Scheme::default(),
@@ -87,7 +95,11 @@ impl Lattice {
                     Cells::Quads => &[&[0, 1, 2, 3]],
                     Cells::Triangles => &[&[0, 1, 2], &[0, 2, 3]],
                 };
-                for face in faces.iter().filter(|face| face.iter().any(|&c| touches(corners[c].0, corners[c].1))) {
+                // Whole cells, so that the rim has no more irregular vertices than corners.
+                if !corners.iter().any(|&(x, y)| touches(x, y)) {
+                    continue;
+                }
+                for face in faces {
                     if !is_inside(i, j) {
                         holes.push(face_sizes.len() as u32);
                     }
@@ -112,7 +124,9 @@ impl Lattice {
 
     /// Its limit surface, which is the plane.
     pub fn surface(&self) -> LimitSurface {
-        LimitSurface::new(&self.cage, self.cells.scheme()).expect("a lattice has a limit surface")
+        let surface = LimitSurface::new(&self.cage, self.cells.scheme()).expect("a lattice has a limit surface");
+        assert_eq!(surface.hierarchy().num_levels(), 0, "features lie apart");
+        surface
     }
 
     /// Whether each face counts.

@@ -3,12 +3,14 @@
 
 mod expression;
 mod lattice;
+mod plot;
 mod problems;
 mod series;
 mod spec;
 
 pub use expression::Expression;
 pub use lattice::{Cells, Lattice, Region};
+pub use plot::svg;
 pub use series::Series;
 pub use spec::{Imposition, Method, Study};
 
@@ -183,11 +185,10 @@ impl Study {
         Ok(match self.method {
             Method::HodgeLaplace => primal(Operator::HodgeLaplace),
             Method::BiLaplace => primal(Operator::BiLaplace),
-            Method::Mixed => MixedProblem::new(&elements, points).and_then(|problem| {
-                let solved = problem.solve(data)?;
-                let off = MixedProblem::errors(&fine, &solved, &self.exact(data));
+            Method::Mixed => MixedProblem::new(&elements, points).solve(data).map(|solved| {
+                let off = MixedProblem::new(&fine, 1).errors(&solved, &self.exact(data));
                 let errors = vec![off.l2, off.d, off.sigma];
-                Ok((vec!["L2", "L2 of dw", "L2 of delta w"], row(solved.unknowns, errors, solved.residual)))
+                (vec!["L2", "L2 of dw", "L2 of delta w"], row(solved.unknowns, errors, solved.residual))
             }),
         })
     }

@@ -24,8 +24,8 @@ const I: [&str; 2] = ["cos(2*pi*x) - sin(4*pi*y)", "cos(2*pi*x) + sin(4*pi*x)"];
 /// (5.30).
 const II: [&str; 2] = ["sin(4*pi*x)", "cos(2*pi*y)"];
 /// (5.32), as printed, and without its `+ y`.
-const F: [&str; 2] = ["x + y + y*(1-y)/4", "y + x*(1-x)/4"];
-const F_SYMMETRIC: [&str; 2] = ["x + y*(1-y)/4", "y + x*(1-x)/4"];
+const F: [&str; 2] = ["x + y + sin(pi*y)/(4*pi)", "y + sin(pi*x)/(4*pi)"];
+const F_SYMMETRIC: [&str; 2] = ["x + sin(pi*y)/(4*pi)", "y + sin(pi*x)/(4*pi)"];
 /// (5.38).
 const BI: [&str; 2] = ["sin(pi*x)*sin(pi*y)", "sin(2*pi*x)*sin(pi*y)"];
 /// `r^(2/3) sin(2t/3)`, `t` from the positive x axis.

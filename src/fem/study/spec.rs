@@ -120,7 +120,7 @@ impl Study {
     /// # Errors
     /// If the file cannot be read, or holds something else.
     pub fn load(path: &Path) -> Result<Study, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|error| IoError::read(path, error))?;
+        let text = std::fs::read_to_string(path).map_err(IoError::read(path))?;
         serde_json::from_str(&text).map_err(|error| StudyError::Syntax {
             file: path.display().to_string(),
             line: error.line(),

@@ -7,6 +7,7 @@ pub mod evaluate;
 pub mod inspect;
 pub mod operators;
 pub mod streamlines;
+pub mod study;
 pub mod subdivide;
 mod to_limit;
 pub mod validate;
