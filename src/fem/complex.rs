@@ -24,16 +24,8 @@ impl Elements<'_> {
     /// # Panics
     /// If there is no such level.
     pub fn complex(&self, level: usize) -> HilbertComplex {
-        self.complex_on(level, |_| 1.0)
-    }
-
-    /// [`Elements::complex`], with the integral over each face of the finest level times its weight: 0 outside a domain.
-    ///
-    /// # Panics
-    /// If there is no such level.
-    pub fn complex_on(&self, level: usize, weight: impl Fn(u32) -> f64 + Sync) -> HilbertComplex {
         let mesh = self.surface().hierarchy().level(level).mesh();
-        let mass = [0, 1, 2].map(|k| self.mass_on(level, k, &weight));
+        let mass = [0, 1, 2].map(|k| self.mass_on(level, k, |_| 1.0));
         HilbertComplex::new(mass, [mesh.d0(), mesh.d1()])
     }
 }

@@ -26,6 +26,7 @@ mod settled;
 mod surface;
 mod tables;
 mod tangents;
+mod taylor;
 mod triangle;
 mod unsettled;
 mod vertex;
@@ -36,6 +37,7 @@ pub use surface::{
     SurfacePoint, SurfaceVector,
 };
 pub use tangents::LimitTangents;
+pub use taylor::Taylor;
 
 use crate::cochain::{Cochain, Value, d1};
 use crate::hierarchy::{Hierarchy, HierarchyError};
