@@ -136,6 +136,8 @@ fn the_examples_in_the_help_run() {
         &["decompose", "--help"],
         &["streamlines", "--help"],
         &["operators", "--help"],
+        &["solve", "--help"],
+        &["masses", "--help"],
         &["validate", "--help"],
         &["study", "--help"],
         &["batch", "--help"],

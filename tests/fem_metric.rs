@@ -68,8 +68,8 @@ fn a_map_makes_a_sphere() {
         let r = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt();
         p.map(|x| x / r)
     });
-    let elements =
-        Elements::new(&surface, &positions, &Quadrature::new(surface.hierarchy().split_kind())).with_metric(sphere);
+    let elements = Elements::new(&surface, &positions, &Quadrature::new(surface.hierarchy().split_kind()))
+        .with_metric(sphere);
     let area: f64 = elements.face_areas().into_values().iter().sum();
     assert!((area - 4.0 * PI).abs() < 1e-5, "{:e}", area - 4.0 * PI);
 }
@@ -92,7 +92,8 @@ fn tensors_of_faces_and_charts() {
         [r * r * (du * du), Taylor::constant(0.0), Taylor::constant(0.16 * dv * dv)]
     });
     let flat = Cochain::new(vec![Vector3::zeros(); mesh.num_vertices()]);
-    let torus = Elements::new(&surface, &flat, &Quadrature::new(surface.hierarchy().split_kind())).with_metric(given);
+    let torus =
+        Elements::new(&surface, &flat, &Quadrature::new(surface.hierarchy().split_kind())).with_metric(given);
     let found: f64 = torus.face_areas().into_values().iter().sum();
     assert!((found - area).abs() < 1e-10, "{:e}", found - area);
     // A chart: the lattice, with one layer of faces around it that does not count.

@@ -90,7 +90,8 @@ fn solutions_are_those_that_made_the_data() {
             println!("{name}: {off:.1e} {:.1e} {:?}", off_sigma / largest, solution.iterations);
             assert!(off < 1e-10 && off_sigma < 1e-9 * largest, "{name}: {off:e} {off_sigma:e}");
             assert!(solution.residual < 1e-10, "{name}: {:e}", solution.residual);
-            let known = solution.defect.iter().zip(&added).all(|(x, y)| (x - y).abs() < 1e-10 * y.abs().max(1.0));
+            let known =
+                solution.defect.iter().zip(&added).all(|(x, y)| (x - y).abs() < 1e-10 * y.abs().max(1.0));
             assert!(known && solution.defect.len() == added.len(), "{name}: {:?} {added:?}", solution.defect);
         }
     }
@@ -218,7 +219,11 @@ fn genus_two_converges_to_itself() {
                 norm(1, &apply(complex.d(0), &ds)),
             ]);
         }
-        println!("level {level}: {} unknowns, |w| {:.8}", problem.resolvent().unknowns(), dot(w.values(), &apply(complex.mass(1), w.values())).sqrt());
+        println!(
+            "level {level}: {} unknowns, |w| {:.8}",
+            problem.resolvent().unknowns(),
+            dot(w.values(), &apply(complex.mass(1), w.values())).sqrt()
+        );
         before = Some((w, sigma));
     }
     println!("steps in w, dw, delta w, d delta w: {differences:.3?}");

@@ -135,7 +135,8 @@ fn lattice(
     let frames: Vec<_> = (0..mesh.num_faces() as u32).map(steps).collect();
     let metric = Metric::given(move |face, [s, t]| {
         let ([x, y], [a, b]) = frames[face as usize];
-        let [xx, xy, yy] = tensor([s * a[0] + t * b[0] + Taylor::constant(x), s * a[1] + t * b[1] + Taylor::constant(y)]);
+        let [xx, xy, yy] =
+            tensor([s * a[0] + t * b[0] + Taylor::constant(x), s * a[1] + t * b[1] + Taylor::constant(y)]);
         let pulled = |p: [f64; 2], q: [f64; 2]| {
             xx * (p[0] * q[0]) + xy * (p[0] * q[1] + p[1] * q[0]) + yy * (p[1] * q[1])
         };
@@ -156,9 +157,10 @@ fn error(values: &[f64], zeros: usize, exact: f64) -> f64 {
 #[test]
 fn flat_tori_converge_at_rate_six() {
     let exact = 4.0 * std::f64::consts::PI.powi(2);
-    for (name, tabulated) in
-        [("quads", &[1.29e-3, 1.03e-5, 1.31e-7, 1.10e-8, 1.93e-9][..]), ("triangles", &[1.29e-3, 1.03e-5, 1.31e-7])]
-    {
+    for (name, tabulated) in [
+        ("quads", &[1.29e-3, 1.03e-5, 1.31e-7, 1.10e-8, 1.93e-9][..]),
+        ("triangles", &[1.29e-3, 1.03e-5, 1.31e-7]),
+    ] {
         let mut before: Option<(f64, f64)> = None;
         for (n, expected) in [4, 8, 16, 24, 32].into_iter().zip(tabulated) {
             let quads = name == "quads";
@@ -244,7 +246,11 @@ fn spheres_are_limited_by_irregular_vertices() {
         let complex = elements.complex(level);
         let one = error(&spectrum(&complex, 1, 6).values, 0, 2.0);
         let zero = error(&spectrum(&complex, 0, 4).values, 1, 2.0);
-        println!("{} unknowns: 1-forms {one:.3e}, functions {zero:.3e}, area {:.8}", complex.len(1), complex.area());
+        println!(
+            "{} unknowns: 1-forms {one:.3e}, functions {zero:.3e}, area {:.8}",
+            complex.len(1),
+            complex.area()
+        );
         assert!((one / expected.0 - 1.0).abs() < 0.05, "{level}: {one:e}");
         assert!((zero / expected.1 - 1.0).abs() < 0.2, "{level}: {zero:e}");
         found.push(one);

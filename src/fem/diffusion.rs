@@ -32,7 +32,12 @@ impl<'a> Diffusion<'a> {
     ///
     /// # Panics
     /// If `degree > 2` or the step is not positive.
-    pub fn new(complex: &'a HilbertComplex, degree: usize, step: f64, rule: TimeRule) -> Result<Self, FemError> {
+    pub fn new(
+        complex: &'a HilbertComplex,
+        degree: usize,
+        step: f64,
+        rule: TimeRule,
+    ) -> Result<Self, FemError> {
         assert!(step > 0.0 && step.is_finite(), "a step wants a positive length, not {step}");
         let theta = if rule == TimeRule::Euler { 1.0 } else { 0.5 };
         let resolvent = Resolvent::new(complex, degree, 1.0 / (theta * step))?;

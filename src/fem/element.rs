@@ -73,9 +73,9 @@ impl<'a> Elements<'a> {
         let faces = self.inside.len() as u32;
         let area = |face: u32| {
             let corners = self.corners(face);
-            self.basis(face).first().map_or(0.0, |point| {
-                self.at_point(face, point, &corners).area / point.weight
-            })
+            self.basis(face)
+                .first()
+                .map_or(0.0, |point| self.at_point(face, point, &corners).area / point.weight)
         };
         let areas: Vec<f64> = (0..faces).into_par_iter().map(area).collect();
         self.unit = unit(areas.iter().sum::<f64>() / f64::from(faces.max(1)));

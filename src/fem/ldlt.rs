@@ -80,7 +80,8 @@ impl Ldlt {
         assert!(right.iter().all(|x| x.len() == n), "a right-hand side of another length");
         right.par_chunks_mut(GROUP).for_each(|group| {
             let mut x = group.concat();
-            let mut memory = MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(group.len(), Par::Seq));
+            let mut memory =
+                MemBuffer::new(self.symbolic.solve_in_place_scratch::<f64>(group.len(), Par::Seq));
             LdltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
                 Conj::No,
                 MatMut::from_column_major_slice_mut(&mut x, n, group.len()),

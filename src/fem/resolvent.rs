@@ -104,8 +104,19 @@ impl<'a> Resolvent<'a> {
             }
         });
         let factor = Ldlt::new(&matrix)?;
-        let resolvent =
-            Resolvent { complex, degree, shift, unit, lower, mass, coupling, transposed, stiffness, pinned, factor };
+        let resolvent = Resolvent {
+            complex,
+            degree,
+            shift,
+            unit,
+            lower,
+            mass,
+            coupling,
+            transposed,
+            stiffness,
+            pinned,
+            factor,
+        };
         match resolvent.condition() < SINGULAR {
             true => Ok(resolvent),
             false => Err(FemError::Singular),

@@ -3,6 +3,7 @@
 mod batch;
 mod design;
 mod help;
+mod solve;
 mod study;
 pub mod volume;
 
@@ -17,6 +18,7 @@ use formwork::io::Frames;
 use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
+pub use solve::{Masses, Solve};
 
 /// Smooth differential forms on OpenSubdiv surfaces: values on vertices, oriented edges and faces, refined
 /// so that d S = S d exactly.
@@ -53,6 +55,12 @@ pub enum Command {
     /// Trace streamlines of a 1-form on the limit surface
     #[command(after_help = design::STREAMLINES)]
     Streamlines(Streamlines),
+    /// Solve with smooth forms on the surface: Hodge-Laplace problems, eigenforms, diffusion
+    #[command(after_help = solve::SOLVE)]
+    Solve(Solve),
+    /// Write masses and stiffnesses of the smooth forms, for NumPy, SciPy and PETSc
+    #[command(after_help = solve::MASSES)]
+    Masses(Masses),
     /// Measure that the operators commute with d, against OpenSubdiv itself
     #[command(after_help = help::VALIDATE)]
     Validate(Validate),
@@ -78,6 +86,8 @@ impl Command {
             Command::Evaluate(args) => &args.common,
             Command::Operators(args) => &args.common,
             Command::Validate(args) => &args.common,
+            Command::Solve(args) => &args.common,
+            Command::Masses(args) => &args.common,
             Command::Design(args) => &args.common,
             Command::Decompose(args) => &args.common,
             Command::Streamlines(args) => &args.common,

@@ -49,6 +49,8 @@ fn main() -> ExitCode {
         Command::Limit(args) => run::subdivide::run(&args.into()),
         Command::Evaluate(args) => run::evaluate::run(&args),
         Command::Operators(args) => run::operators::run(&args),
+        Command::Solve(args) => run::solve::run(&args),
+        Command::Masses(args) => run::masses::run(&args),
         Command::Validate(args) => run::validate::run(&args),
         Command::Design(args) => run::design::run(&args),
         Command::Decompose(args) => run::decompose::run(&args),
