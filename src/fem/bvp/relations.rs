@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::fem::Elements;
+use crate::fem::{Elements, Quadrature};
 use crate::topology::HalfEdge;
 
 /// What a combination on one face may leave of a form, squared, relative to the largest there is.
@@ -55,17 +55,21 @@ impl Relations<'_> {
         }
         let elements = self.elements;
         let found = self.local[number].get_or_insert_with(|| {
-            let points = elements.basis(face);
-            let n = points[0].forms1.len();
+            // Not by the elements' own rule, which may be too weak to tell forms apart.
+            let surface = elements.surface();
+            let points = surface.basis(number, Quadrature::new(surface.hierarchy().split_kind()).rules());
+            let n = surface.face_cells(face).half_edges.len();
             let mut gram = DMatrix::zeros(n, n);
-            for point in points {
+            for point in &points {
                 let rows = DMatrix::from_fn(2, n, |k, i| point.forms1[i][k]);
                 gram += rows.tr_mul(&rows) * point.weight;
             }
             let eigen = SymmetricEigen::new(gram);
             let most = eigen.eigenvalues.max();
-            let zero: Vec<_> =
-                (0..n).filter(|&i| eigen.eigenvalues[i] < NOTHING * most).map(|i| eigen.eigenvectors.column(i)).collect();
+            let zero: Vec<_> = (0..n)
+                .filter(|&i| eigen.eigenvalues[i] < NOTHING * most)
+                .map(|i| eigen.eigenvectors.column(i))
+                .collect();
             if zero.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&zero) }
         });
         found.clone()
@@ -123,8 +127,10 @@ impl Relations<'_> {
             return Vec::new();
         }
         let eigen = SymmetricEigen::new(contradiction);
-        let kept: Vec<_> =
-            (0..count).filter(|&i| eigen.eigenvalues[i] < 1e-9).map(|i| eigen.eigenvectors.column(i)).collect();
+        let kept: Vec<_> = (0..count)
+            .filter(|&i| eigen.eigenvalues[i] < 1e-9)
+            .map(|i| eigen.eigenvectors.column(i))
+            .collect();
         if kept.is_empty() {
             return Vec::new();
         }
@@ -138,7 +144,8 @@ impl Relations<'_> {
         let mut dropped = Vec::new();
         for step in 0..kept.ncols() {
             let size = |i: usize| rows[i].amax();
-            let at = (0..rows.len()).fold(0, |best, i| if size(i) > size(best) * (1.0 + 1e-9) { i } else { best });
+            let at =
+                (0..rows.len()).fold(0, |best, i| if size(i) > size(best) * (1.0 + 1e-9) { i } else { best });
             let pivot = rows[at].clone();
             let column = pivot.iamax();
             debug_assert!(pivot[column].abs() > 1e-9, "relation {step} is not independent");
