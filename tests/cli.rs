@@ -139,6 +139,7 @@ fn the_examples_in_the_help_run() {
         &["solve", "--help"],
         &["masses", "--help"],
         &["validate", "--help"],
+        &["study", "--help"],
         &["batch", "--help"],
         &["volume", "--help"],
         &["volume", "inspect", "--help"],

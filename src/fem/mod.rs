@@ -21,6 +21,7 @@
 //! edges (`1, 1, -1` along the three directions), and the 2-forms they bound, have the limit 0. `d0' M1 d0` has
 //! nothing in its kernel but constants.
 
+mod bvp;
 mod complex;
 mod diffusion;
 mod element;
@@ -33,7 +34,11 @@ mod problem;
 mod quadrature;
 mod resolvent;
 mod spectrum;
+pub mod study;
 
+pub use bvp::{
+    BoundaryProblem, Data, Errors, Imposed, MixedErrors, MixedProblem, MixedSolution, Operator, Solved, SpaceForm,
+};
 pub use complex::{HilbertComplex, interior};
 pub use diffusion::{Diffusion, TimeRule};
 pub use element::Elements;

@@ -33,7 +33,7 @@ mod vertex;
 
 pub use patch::Jet;
 pub use surface::{
-    BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule, SurfaceError,
+    BasisJets, BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule, SurfaceError,
     SurfacePoint, SurfaceVector,
 };
 pub use tangents::LimitTangents;

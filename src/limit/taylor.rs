@@ -3,10 +3,10 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The highest order that is kept.
-const MOST: usize = 4;
+const MOST: usize = 5;
 const TERMS: usize = (MOST + 1) * (MOST + 2) / 2;
 
-/// A function of two variables near a point, up to terms of some order (4 at most): the value and the derivatives by
+/// A function of two variables near a point, up to terms of some order (5 at most): the value and the derivatives by
 /// the variables. Arithmetic on them is exact differentiation; the order of a result is the least of its parts.
 ///
 /// ```
@@ -39,7 +39,7 @@ impl Taylor {
     /// The linear function with a value and derivatives, up to an order.
     ///
     /// # Panics
-    /// If the order exceeds 4.
+    /// If the order exceeds 5.
     pub fn linear(value: f64, slopes: [f64; 2], order: usize) -> Self {
         assert!(order <= MOST, "Taylor polynomials have order {MOST} at most");
         let mut terms = [0.0; TERMS];
@@ -53,7 +53,7 @@ impl Taylor {
     /// The two variables at a point.
     ///
     /// # Panics
-    /// If the order exceeds 4.
+    /// If the order exceeds 5.
     pub fn variables(at: [f64; 2], order: usize) -> [Self; 2] {
         [Self::linear(at[0], [1.0, 0.0], order), Self::linear(at[1], [0.0, 1.0], order)]
     }
@@ -145,33 +145,36 @@ impl Taylor {
     /// The exponential.
     pub fn exp(&self) -> Self {
         let e = self.value().exp();
-        self.apply([e, e, e / 2.0, e / 6.0, e / 24.0])
+        self.apply([e, e, e / 2.0, e / 6.0, e / 24.0, e / 120.0])
     }
 
     /// The natural logarithm.
     pub fn ln(&self) -> Self {
         let x = self.value();
         let r = 1.0 / x;
-        self.apply([x.ln(), r, -r * r / 2.0, r * r * r / 3.0, -(r * r) * (r * r) / 4.0])
+        self.apply(std::array::from_fn(|k| match k {
+            0 => x.ln(),
+            _ => -(-r).powi(k as i32) / k as f64,
+        }))
     }
 
     /// The sine.
     pub fn sin(&self) -> Self {
         let (s, c) = self.value().sin_cos();
-        self.apply([s, c, -s / 2.0, -c / 6.0, s / 24.0])
+        self.apply([s, c, -s / 2.0, -c / 6.0, s / 24.0, c / 120.0])
     }
 
     /// The cosine.
     pub fn cos(&self) -> Self {
         let (s, c) = self.value().sin_cos();
-        self.apply([c, -s, -c / 2.0, s / 6.0, c / 24.0])
+        self.apply([c, -s, -c / 2.0, s / 6.0, c / 24.0, -s / 120.0])
     }
 
     /// The angle of the point `(x, self)`, from `-pi` to `pi`.
     pub fn atan2(&self, x: &Self) -> Self {
         let (b, a) = (self.value(), x.value());
         let ratio = (*self * a - *x * b) / (*x * a + *self * b);
-        ratio.apply([b.atan2(a), 1.0, 0.0, -1.0 / 3.0, 0.0])
+        ratio.apply([b.atan2(a), 1.0, 0.0, -1.0 / 3.0, 0.0, 0.2])
     }
 
     /// This polynomial of two functions whose values are the point it is about.
@@ -265,7 +268,7 @@ mod tests {
 
     #[test]
     fn functions_satisfy_their_identities() {
-        let [x, y] = Taylor::variables([0.7, -0.4], 4);
+        let [x, y] = Taylor::variables([0.7, -0.4], 5);
         let one = Taylor::constant(1.0);
         near(&(x.sin() * x.sin() + x.cos() * x.cos()), &one);
         let z = x * x + y * y * 3.0 + x * y;
@@ -273,6 +276,7 @@ mod tests {
         near(&(z.sqrt() * z.sqrt()), &z);
         near(&z.ln().exp(), &z);
         near(&z.powf(3.0), &(z * z * z));
+        near(&(z.sqrt().recip() * z.sqrt().recip()), &z.recip());
         let (r, angle) = ((x * x + y * y).sqrt(), y.atan2(&x));
         near(&(r * angle.cos()), &x);
         near(&(r * angle.sin()), &y);
@@ -285,9 +289,9 @@ mod tests {
 
     #[test]
     fn composition_is_substitution() {
-        let [s, t] = Taylor::variables([0.3, 0.2], 4);
+        let [s, t] = Taylor::variables([0.3, 0.2], 5);
         let (x, y) = (s * s - t, (s * t).exp());
-        let [u, v] = Taylor::variables([x.value(), y.value()], 4);
+        let [u, v] = Taylor::variables([x.value(), y.value()], 5);
         near(&(u * v.sin() + u * u * u).compose(&x, &y), &(x * y.sin() + x * x * x));
         near(&(u * v).truncated(2).compose(&x, &y), &(x * y).truncated(2));
     }

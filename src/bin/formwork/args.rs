@@ -4,6 +4,7 @@ mod batch;
 mod design;
 mod help;
 mod solve;
+mod study;
 pub mod volume;
 
 use std::path::PathBuf;
@@ -12,6 +13,7 @@ pub use batch::Batch;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
 pub use design::{Decompose, Design, METRICS, Streamlines};
+pub use study::Study;
 use formwork::io::Frames;
 use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
@@ -62,6 +64,9 @@ pub enum Command {
     /// Measure that the operators commute with d, against OpenSubdiv itself
     #[command(after_help = help::VALIDATE)]
     Validate(Validate),
+    /// Solve a boundary value problem on finer and finer lattices: errors and their rates
+    #[command(after_help = study::HELP)]
+    Study(Study),
     /// Refine many assets, failures apart, and go on where the last run stopped
     #[command(after_help = batch::HELP)]
     Batch(Batch),
@@ -74,7 +79,7 @@ impl Command {
     /// The options of a command on one mesh.
     pub fn common(&self) -> Option<&Common> {
         Some(match self {
-            Command::Batch(_) | Command::Volume(_) => return None,
+            Command::Batch(_) | Command::Study(_) | Command::Volume(_) => return None,
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
             Command::Limit(args) => &args.common,

@@ -9,6 +9,7 @@ pub mod masses;
 pub mod operators;
 pub mod solve;
 pub mod streamlines;
+pub mod study;
 pub mod subdivide;
 mod to_limit;
 pub mod validate;
