@@ -37,7 +37,8 @@ mod spectrum;
 pub mod study;
 
 pub use bvp::{
-    BoundaryProblem, Data, Errors, Imposed, MixedErrors, MixedProblem, MixedSolution, Operator, Solved, SpaceForm,
+    BoundaryProblem, Data, Errors, Imposed, MixedErrors, MixedProblem, MixedSolution, Operator, Solved,
+    SpaceForm,
 };
 pub use complex::{HilbertComplex, interior};
 pub use diffusion::{Diffusion, TimeRule};

@@ -33,8 +33,8 @@ mod vertex;
 
 pub use patch::Jet;
 pub use surface::{
-    BasisJets, BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule, SurfaceError,
-    SurfacePoint, SurfaceVector,
+    BasisJets, BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule,
+    SurfaceError, SurfacePoint, SurfaceVector,
 };
 pub use tangents::LimitTangents;
 pub use taylor::Taylor;

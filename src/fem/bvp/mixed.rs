@@ -88,7 +88,10 @@ impl<'a, 'e> MixedProblem<'a, 'e> {
                     row.add_row(&coupling, i, 1.0);
                     for (matrix, factor) in [(&curls, 1.0), (&m1, shift)] {
                         let (columns, entries) = row_of(matrix, i);
-                        columns.iter().zip(entries).for_each(|(&j, &x)| row.add(below as u32 + j, factor * x));
+                        columns
+                            .iter()
+                            .zip(entries)
+                            .for_each(|(&j, &x)| row.add(below as u32 + j, factor * x));
                     }
                 }
             })

@@ -127,7 +127,8 @@ impl<'a, 'e> BoundaryProblem<'a, 'e> {
     /// plenty, 2 too few on triangles.
     pub fn new(elements: &'e Elements<'a>, operator: Operator, boundary_points: usize) -> Self {
         let surface = elements.surface();
-        let (kind, faces) = (surface.hierarchy().split_kind(), surface.hierarchy().finest().mesh().num_faces());
+        let (kind, faces) =
+            (surface.hierarchy().split_kind(), surface.hierarchy().finest().mesh().num_faces());
         let sides = sides::sides(elements);
         let used = (0..faces as u32).map(|face| surface.face_basis(face)).max().map_or(0, |most| most + 1);
         // A face for each basis, and the sides that are asked for of any.

@@ -64,8 +64,10 @@ impl Relations<'_> {
             }
             let eigen = SymmetricEigen::new(gram);
             let most = eigen.eigenvalues.max();
-            let zero: Vec<_> =
-                (0..n).filter(|&i| eigen.eigenvalues[i] < NOTHING * most).map(|i| eigen.eigenvectors.column(i)).collect();
+            let zero: Vec<_> = (0..n)
+                .filter(|&i| eigen.eigenvalues[i] < NOTHING * most)
+                .map(|i| eigen.eigenvectors.column(i))
+                .collect();
             if zero.is_empty() { DMatrix::zeros(n, 0) } else { DMatrix::from_columns(&zero) }
         });
         found.clone()
@@ -123,8 +125,10 @@ impl Relations<'_> {
             return Vec::new();
         }
         let eigen = SymmetricEigen::new(contradiction);
-        let kept: Vec<_> =
-            (0..count).filter(|&i| eigen.eigenvalues[i] < 1e-9).map(|i| eigen.eigenvectors.column(i)).collect();
+        let kept: Vec<_> = (0..count)
+            .filter(|&i| eigen.eigenvalues[i] < 1e-9)
+            .map(|i| eigen.eigenvectors.column(i))
+            .collect();
         if kept.is_empty() {
             return Vec::new();
         }
@@ -138,7 +142,8 @@ impl Relations<'_> {
         let mut dropped = Vec::new();
         for step in 0..kept.ncols() {
             let size = |i: usize| rows[i].amax();
-            let at = (0..rows.len()).fold(0, |best, i| if size(i) > size(best) * (1.0 + 1e-9) { i } else { best });
+            let at =
+                (0..rows.len()).fold(0, |best, i| if size(i) > size(best) * (1.0 + 1e-9) { i } else { best });
             let pivot = rows[at].clone();
             let column = pivot.iamax();
             debug_assert!(pivot[column].abs() > 1e-9, "relation {step} is not independent");

@@ -148,9 +148,11 @@ impl BoundaryProblem<'_, '_> {
                 false => Local::default(),
             })
             .collect();
-        let matrix = |of: fn(&Local) -> &Vec<f64>| self.elements.gather(1, |face| of(&locals[face as usize]).clone());
-        let vector =
-            |of: fn(&Local) -> &Vec<f64>| self.elements.gather_vector(1, |face| of(&locals[face as usize]).clone());
+        let matrix =
+            |of: fn(&Local) -> &Vec<f64>| self.elements.gather(1, |face| of(&locals[face as usize]).clone());
+        let vector = |of: fn(&Local) -> &Vec<f64>| {
+            self.elements.gather_vector(1, |face| of(&locals[face as usize]).clone())
+        };
         let edges = self.elements.independent_edges();
         let kept = Kept::new(edges.len(), |e| edges[e as usize]);
         let energy = kept.matrix(&matrix(|local| &local.energy));
@@ -164,7 +166,10 @@ impl BoundaryProblem<'_, '_> {
             let most = (0..energy.rows()).map(|i| diagonal(&energy, i)).fold(0.0, f64::max);
             let factor = match imposed {
                 Imposed::Penalty(factor) => factor * most,
-                _ => FACTOR * most / (0..traces.rows()).map(|i| diagonal(&traces, i)).fold(f64::MIN_POSITIVE, f64::max),
+                _ => {
+                    FACTOR * most
+                        / (0..traces.rows()).map(|i| diagonal(&traces, i)).fold(f64::MIN_POSITIVE, f64::max)
+                }
             };
             let all = sum(&energy, &traces, factor);
             let factors = Ldlt::new(&all)?;
@@ -205,9 +210,8 @@ impl BoundaryProblem<'_, '_> {
         let kept = Kept::new(edges.len(), |e| edges[e as usize]);
         let mass = kept.matrix(&self.elements.mass(1));
         let solution = Data { solution: data.solution.clone(), load: Some(data.solution.clone()) };
-        let load = self.elements.gather_vector(1, |face| {
-            self.loads(face, &self.elements.corners(face), &solution)
-        });
+        let load =
+            self.elements.gather_vector(1, |face| self.loads(face, &self.elements.corners(face), &solution));
         let (x, residual) = solve(&mass, &kept.vector(&load))?;
         Ok(Solved { form: Cochain::new(kept.spread(&x)), unknowns: kept.len(), residual, off: 0.0 })
     }
@@ -235,9 +239,12 @@ impl BoundaryProblem<'_, '_> {
                 let (position, Some(g)) = self.place(face, &corners, point) else { continue };
                 let exact = data.solution.pull(&position);
                 let zero = [Taylor::constant(0.0); 2];
-                let found = point.jets.forms1.iter().zip(&values).fold(zero, |sum, (w, &x)| {
-                    [0, 1].map(|k| sum[k] + w[k] * x)
-                });
+                let found = point
+                    .jets
+                    .forms1
+                    .iter()
+                    .zip(&values)
+                    .fold(zero, |sum, (w, &x)| [0, 1].map(|k| sum[k] + w[k] * x));
                 let off = [0, 1].map(|k| (found[k] - exact[k]).truncated(self.operator.order()));
                 let square = |[x, y]: [f64; 2]| {
                     let [a, b, c] = g.conjugate.map(|x| x.value());
@@ -247,7 +254,8 @@ impl BoundaryProblem<'_, '_> {
                 let (curl, s) = (g.curl(off), g.codifferential(off));
                 sums[1] += point.weight * g.area.value() * (curl.value().powi(2) + s.value().powi(2));
                 if self.operator.order() > 1 {
-                    sums[2] += [curl, s].iter().map(|f| square([f.by(0).value(), f.by(1).value()])).sum::<f64>();
+                    sums[2] +=
+                        [curl, s].iter().map(|f| square([f.by(0).value(), f.by(1).value()])).sum::<f64>();
                 }
             }
             sums

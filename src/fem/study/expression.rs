@@ -101,7 +101,10 @@ mod tests {
             ("(x^2 + y^2)^(1/3)", (x * x + y * y).powf(1.0 / 3.0)),
             ("z - x - y - 1", c(2.0) - x - y - c(1.0)),
             ("atan2(-y, -x) + pi", (-y).atan2(&-x) + pi),
-            ("sqrt(1 + x^2) * exp(x*y) / ln(3 + y)", (c(1.0) + x * x).sqrt() * (x * y).exp() / (c(3.0) + y).ln()),
+            (
+                "sqrt(1 + x^2) * exp(x*y) / ln(3 + y)",
+                (c(1.0) + x * x).sqrt() * (x * y).exp() / (c(3.0) + y).ln(),
+            ),
         ];
         for (text, expected) in cases {
             let found = Expression::parse(text).unwrap().at(&point);

@@ -82,12 +82,16 @@ impl Lattice {
             Region::Lshape => (-n, n),
         };
         let is_inside = |i: i32, j: i32| {
-            (from..to).contains(&i) && (from..to).contains(&j) && (region == Region::Square || i < 0 || j >= 0)
+            (from..to).contains(&i)
+                && (from..to).contains(&j)
+                && (region == Region::Square || i < 0 || j >= 0)
         };
-        let touches = |x: i32, y: i32| [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|(a, b)| is_inside(x - a, y - b));
+        let touches =
+            |x: i32, y: i32| [(0, 0), (1, 0), (0, 1), (1, 1)].iter().any(|(a, b)| is_inside(x - a, y - b));
         let side = (to - from + 3) as usize;
         let mut number = vec![u32::MAX; side * side];
-        let (mut places, mut face_vertices, mut face_sizes, mut holes) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let (mut places, mut face_vertices, mut face_sizes, mut holes) =
+            (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for j in from - 1..=to {
             for i in from - 1..=to {
                 let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
@@ -124,7 +128,8 @@ impl Lattice {
 
     /// Its limit surface, which is the plane.
     pub fn surface(&self) -> LimitSurface {
-        let surface = LimitSurface::new(&self.cage, self.cells.scheme()).expect("a lattice has a limit surface");
+        let surface =
+            LimitSurface::new(&self.cage, self.cells.scheme()).expect("a lattice has a limit surface");
         assert_eq!(surface.hierarchy().num_levels(), 0, "features lie apart");
         surface
     }

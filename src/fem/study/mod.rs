@@ -17,8 +17,8 @@ pub use spec::{Imposition, Method, Study};
 use serde::Serialize;
 
 use super::{
-    BoundaryProblem, Data, Elements, Errors, FemError, Imposed, Metric, MixedProblem, Operator, Quadrature, square,
-    triangle,
+    BoundaryProblem, Data, Elements, Errors, FemError, Imposed, Metric, MixedProblem, Operator, Quadrature,
+    square, triangle,
 };
 use crate::io::IoError;
 use crate::limit::QuadratureRule;
@@ -31,7 +31,9 @@ use crate::topology::SplitKind;
 pub enum StudyError {
     #[error(transparent)]
     Read(#[from] IoError),
-    #[error("{file}: line {line}, column {column}: {reason}: see formwork study --help for what a study holds")]
+    #[error(
+        "{file}: line {line}, column {column}: {reason}: see formwork study --help for what a study holds"
+    )]
     Syntax { file: String, line: usize, column: usize, reason: String },
     #[error("{text:?} is no formula: {reason}")]
     Expression { text: String, reason: String },
@@ -94,7 +96,9 @@ impl Study {
             (Some(n), SplitKind::Quad) if (1..=10).contains(&n) => square(n),
             (Some(3), SplitKind::Triangle) => strang_fix(),
             (Some(n), SplitKind::Triangle) if [4, 6, 8].contains(&n) => triangle(n),
-            (Some(n), SplitKind::Quad) => return Err(wrong(format!("{n} points along an edge: take 1 to 10"))),
+            (Some(n), SplitKind::Quad) => {
+                return Err(wrong(format!("{n} points along an edge: take 1 to 10")));
+            }
             (Some(n), SplitKind::Triangle) => {
                 return Err(wrong(format!("there is no rule of degree {n} on triangles: take 3, 4, 6 or 8")));
             }

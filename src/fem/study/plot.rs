@@ -20,7 +20,8 @@ fn decades(values: impl Iterator<Item = f64>) -> [f64; 2] {
 /// The picture of a study.
 pub fn svg(study: &Study, tables: &[Table]) -> String {
     let rows = || tables.iter().flat_map(|table| &table.rows);
-    let (xs, ys) = (decades(rows().map(|row| row.h)), decades(rows().flat_map(|row| row.errors.iter().copied())));
+    let (xs, ys) =
+        (decades(rows().map(|row| row.h)), decades(rows().flat_map(|row| row.errors.iter().copied())));
     let [left, top, right, bottom] = MARGINS;
     let (width, height) = (SIZE[0] - left - right, SIZE[1] - top - bottom);
     let x = |h: f64| left + width * (h.log10() - xs[0]) / (xs[1] - xs[0]);

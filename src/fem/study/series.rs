@@ -35,10 +35,13 @@ impl Series {
             let [x, y] = at(points[i]);
             singular(k + 1, x, y).value() * scale(k + 1)
         });
-        let right = DVector::from_iterator(points.len(), points.iter().map(|&p| {
-            let [x, y] = at(p);
-            -particular(x, y).value()
-        }));
+        let right = DVector::from_iterator(
+            points.len(),
+            points.iter().map(|&p| {
+                let [x, y] = at(p);
+                -particular(x, y).value()
+            }),
+        );
         let solution = matrix.svd(true, true).solve(&right, 1e-14).expect("both factors were asked for");
         Series { coefficients: (0..TERMS).map(|k| solution[k] * scale(k + 1)).collect() }
     }
@@ -83,7 +86,8 @@ mod tests {
             let u = series.at(x, y);
             assert!((u.derivative(2, 0) + u.derivative(0, 2) + 1.0).abs() < 1e-8, "{point:?}");
         }
-        let boundary = [[1.0, 0.3], [0.2, 1.0], [-1.0, 1.0], [-1.0, -0.6], [-0.4, -1.0], [0.6, 0.0], [0.0, -0.3]];
+        let boundary =
+            [[1.0, 0.3], [0.2, 1.0], [-1.0, 1.0], [-1.0, -0.6], [-0.4, -1.0], [0.6, 0.0], [0.0, -0.3]];
         for point in boundary {
             let [x, y] = point.map(|x| Taylor::linear(x, [0.0; 2], 0));
             assert!(series.at(x, y).value().abs() < 1e-5, "{point:?}: {:e}", series.at(x, y).value());

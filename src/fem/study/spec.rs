@@ -139,7 +139,8 @@ impl Study {
     /// # Errors
     /// If not, saying what does not.
     pub fn check(&self) -> Result<(), StudyError> {
-        let wrong = |field: &'static str, reason: &str| Err(StudyError::Field { field, reason: reason.to_owned() });
+        let wrong =
+            |field: &'static str, reason: &str| Err(StudyError::Field { field, reason: reason.to_owned() });
         if self.map.is_some() && self.metric.is_some() {
             return wrong("metric", "there is a map already: give one of the two");
         }
@@ -147,7 +148,10 @@ impl Study {
             return wrong("map", "a map has 2 or 3 coordinates");
         }
         if self.cells.is_empty() || self.elements.is_empty() {
-            return wrong("cells", "there are no lattices: name the cells along a unit of length, and their kinds");
+            return wrong(
+                "cells",
+                "there are no lattices: name the cells along a unit of length, and their kinds",
+            );
         }
         if let Some(&count) = self.cells.iter().find(|n| !(2..=1024).contains(*n)) {
             return Err(StudyError::Cells { count });
@@ -198,7 +202,9 @@ impl Study {
     /// # Errors
     /// If a formula makes no sense.
     pub fn metric(&self) -> Result<Metric, StudyError> {
-        let parse = |texts: &[String]| texts.iter().map(|text| Expression::parse(text)).collect::<Result<Vec<_>, _>>();
+        let parse = |texts: &[String]| {
+            texts.iter().map(|text| Expression::parse(text)).collect::<Result<Vec<_>, _>>()
+        };
         if let Some(map) = &self.map {
             let map = parse(map)?;
             return Ok(Metric::mapped(move |p| {
