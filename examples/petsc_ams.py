@@ -9,7 +9,8 @@ space Maxwell solver) wants the discrete gradient d0 and the differentials of th
 that the smooth forms are a complex with the same d0 is what makes it work. Without petsc4py the same file is read by
 numpy and the system solved by SciPy's conjugate gradients with the diagonal: the same answer, slowly.
 
-Debian and Ubuntu: apt install python3-petsc4py-real. Prints one JSON object.
+Debian and Ubuntu: apt install python3-petsc4py-real, and where /usr/bin/python3 does not find it then, set PYTHONPATH to
+the folder of `dpkg -L python3-petsc4py-real3.18` that ends with dist-packages. Prints one JSON object.
 """
 
 import argparse

@@ -5,7 +5,7 @@ mod common;
 
 use common::meshes::{grid, hexagonal_torus};
 use common::random;
-use common::solids::{self, Positions, slab, triangles};
+use common::solids::{self, Positions, slab};
 use formwork::cochain::Cochain;
 use formwork::fem::{
     Diffusion, Elements, FemError, HilbertComplex, HodgeLaplace, Quadrature, Resolvent, TimeRule,
@@ -226,11 +226,13 @@ fn genus_two_converges_to_itself() {
         );
         before = Some((w, sigma));
     }
-    println!("steps in w, dw, delta w, d delta w: {differences:.3?}");
-    for pair in differences.windows(2) {
+    let all = |steps: &[f64; 4]| steps.map(|x| format!("{x:.2e}")).join(" ");
+    differences.iter().for_each(|steps| println!("steps in w, dw, delta w, d delta w: {}", all(steps)));
+    // Curls are held back by the vertices of valence 5: -log2 of their subdominant eigenvalue is 0.86. Functions are not.
+    for (pair, least) in differences.windows(2).zip([[2.2, 0.7, 3.0, 2.0], [1.7, 0.7, 3.0, 2.0]]) {
         let rates: Vec<f64> = (0..4).map(|i| (pair[0][i] / pair[1][i]).log2()).collect();
         println!("rates {rates:.2?}");
-        assert!(rates[0] > 1.5 && rates[2] > 1.5, "{rates:?}");
+        assert!(rates.iter().zip(least).all(|(rate, least)| *rate > least), "{rates:?}");
     }
 }
 
@@ -278,5 +280,4 @@ fn dependent_bases_are_refused_or_pinned() {
     let mut union = [&found[0][1..], &found[2][1..]].concat();
     union.sort_by(f64::total_cmp);
     found[1][2..].iter().zip(&union).for_each(|(a, b)| assert!((a - b).abs() < 1e-8 * b, "{a} {b}"));
-    let _ = triangles;
 }

@@ -105,10 +105,13 @@ fn the_l_shape_has_its_singular_eigenvalue() {
         assert!((values[0] - expected).abs() < 1e-4, "{}", values[0]);
         errors.push(values.iter().zip(exact).map(|(x, y)| (x - y).abs()).collect::<Vec<_>>());
     }
-    let rate = (errors[2][0] / errors[3][0]).log2();
-    assert!((rate - 4.0 / 3.0).abs() < 0.1, "{rate}");
+    // The third is Dirichlet's lowest of functions, as singular as the first.
+    for k in [0, 2] {
+        let rate = (errors[2][k] / errors[3][k]).log2();
+        assert!((rate - 4.0 / 3.0).abs() < 0.1, "{k}: {rate}");
+    }
     let last = &errors[3];
-    assert!(last[1] < 1e-4 && last[2] < 1e-2 && last[3] < 1e-5 && last[4] < 1e-5, "{last:?}");
+    assert!(last[1] < 1e-4 && last[3] < 1e-5 && last[4] < 1e-5 && last[5] < 1e-4, "{last:?}");
 }
 
 /// The complex of a lattice of `n` by `m` periodic cells, in a metric of its two coordinates, whole numbers at vertices.

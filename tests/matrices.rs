@@ -4,7 +4,8 @@
 mod common;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use common::run::{fixture, scratch, succeed};
 use formwork::fem::{Elements, Quadrature, stiffness};
@@ -86,6 +87,27 @@ fn petsc_files_hold_the_matrices() {
             mesh.edges().iter().map(|&[a, b]| positions[b as usize][axis] - positions[a as usize][axis]);
         assert!(values.len() == mesh.num_edges() && values.iter().zip(along).all(|(x, y)| *x == y));
     }
+}
+
+/// The example reads the file and solves with it, here without PETSc.
+#[test]
+fn the_petsc_example_solves() {
+    let folder = scratch();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mesh = root.join("assets/torus.obj").display().to_string();
+    succeed(folder.path(), &["masses", &mesh, "--level", "1", "-o", "torus.petsc"]);
+    let python = std::env::var_os("FORMWORK_PYTHON").map_or(root.join(".venv/bin/python"), PathBuf::from);
+    assert!(python.exists(), "no {}: run scripts/setup --test", python.display());
+    let run = Command::new(python)
+        .arg(root.join("examples/petsc_ams.py"))
+        .args(["torus.petsc", "--scipy"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let report: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    assert_eq!(report["converged"], true);
+    assert!(report["residual"].as_f64().unwrap() < 1e-9 && report["unknowns"] == 1024, "{report}");
 }
 
 #[test]

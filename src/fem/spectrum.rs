@@ -29,6 +29,9 @@ impl Spectrum {
 /// What Ritz vectors are converged to, relative.
 const CONVERGED: f64 = 1e-12;
 
+/// What is left of a vector is rounding below this part of it.
+const NOTHING: f64 = 1e-12;
+
 /// Blocks at most.
 const MOST: usize = 80;
 
@@ -151,21 +154,28 @@ impl Basis {
         }
         for ((mut x, sum), before) in vectors.into_iter().zip(&mut coefficients).zip(before) {
             sum.resize(self.vectors.len(), 0.0);
-            for _ in 0..2 {
-                for i in known..self.vectors.len() {
+            // Against those of its own block; and where that leaves little, against all once more.
+            let (mut first, mut previous) = (known, f64::INFINITY);
+            loop {
+                for i in first..self.vectors.len() {
                     let c = inner(&self.weighed[i], &x);
                     x.par_iter_mut().zip(&self.vectors[i]).for_each(|(x, y)| *x -= c * y);
                     sum[i] += c;
                 }
-            }
-            let mut weighed = resolvent.weigh(&x);
-            let size = inner(&x, &weighed).max(0.0).sqrt();
-            if size > 1e-13 * before {
-                x.iter_mut().for_each(|x| *x /= size);
-                weighed.iter_mut().for_each(|x| *x /= size);
-                sum.push(size);
-                self.vectors.push(x);
-                self.weighed.push(weighed);
+                let mut weighed = resolvent.weigh(&x);
+                let size = inner(&x, &weighed).max(0.0).sqrt();
+                if size.is_nan() || size <= NOTHING * before {
+                    break;
+                }
+                if size > 0.5 * previous {
+                    x.iter_mut().for_each(|x| *x /= size);
+                    weighed.iter_mut().for_each(|x| *x /= size);
+                    sum.push(size);
+                    self.vectors.push(x);
+                    self.weighed.push(weighed);
+                    break;
+                }
+                (first, previous) = (0, size);
             }
         }
         coefficients.iter_mut().for_each(|sum| sum.resize(self.vectors.len(), 0.0));
