@@ -1,11 +1,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::DesignError;
-use super::hodge::{Hodge, inner, transposed_d0};
+use super::hodge::{Hodge, transposed_d0};
 use super::spec::{Place, Spec};
 use super::wishes::{Wish, check_number, check_weight};
 use crate::cochain::Cochain;
 use crate::sparse::apply;
+use crate::sparse::inner;
 
 /// A designed field.
 #[derive(Clone, Debug)]

@@ -7,7 +7,7 @@ use super::product::{InnerProduct, Metric};
 use super::{Condition, DesignError};
 use crate::cochain::Cochain;
 use crate::limit::LimitSurface;
-use crate::sparse::{Csr, apply, assemble, row_of};
+use crate::sparse::{Csr, apply, assemble, combination, inner, row_of};
 use crate::topology::Mesh;
 
 const FIXED: u32 = u32::MAX;
@@ -323,20 +323,4 @@ fn laplacian(mesh: &Mesh, mass: &Csr, unknown: &[u32], size: usize) -> Csr {
 pub(super) fn transposed_d0(mesh: &Mesh, y: &[f64]) -> Vec<f64> {
     let at = |v: u32| -mesh.vertex_half_edges(v).iter().map(|h| h.sign() * y[h.edge() as usize]).sum::<f64>();
     (0..mesh.num_vertices() as u32).into_par_iter().map(at).collect()
-}
-
-/// The same sum on any number of threads: in blocks of a fixed size.
-pub(super) fn inner(x: &[f64], y: &[f64]) -> f64 {
-    let block = |(x, y): (&[f64], &[f64])| x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>();
-    let sums: Vec<f64> = x.par_chunks(4096).zip(y.par_chunks(4096)).map(block).collect();
-    sums.iter().sum()
-}
-
-/// `sum_i weights[i] forms[i]`.
-pub(super) fn combination(forms: &[Vec<f64>], weights: &[f64], len: usize) -> Vec<f64> {
-    let mut sum = vec![0.0; len];
-    for (form, &weight) in forms.iter().zip(weights) {
-        sum.par_iter_mut().zip(form).for_each(|(x, y)| *x += weight * y);
-    }
-    sum
 }

@@ -9,7 +9,8 @@
 //! | [`fields`] | forms on a mesh | forms on a mesh |
 //! | [`points`] | points on faces | |
 //! | [`volume`] | solids: Gmsh and VTK, with their forms | VTK |
-//! | [`npz`] | | the operators of a hierarchy, surfaces and other arrays, for NumPy and SciPy |
+//! | [`npz`] | | the operators of a hierarchy, surfaces, matrices and other arrays, for NumPy and SciPy |
+//! | [`petsc`] | | matrices and vectors, for PETSc |
 //!
 //! [`load`] and [`save`] choose the format of a mesh by the extension of its file. A reader of meshes hands
 //! back an [`Asset`], a writer of meshes takes a [`Surface`]. Every file is
@@ -27,6 +28,7 @@ pub mod glb;
 pub mod json;
 pub mod npz;
 pub mod obj;
+pub mod petsc;
 pub mod points;
 mod surface;
 pub mod usd;

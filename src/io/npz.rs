@@ -83,6 +83,8 @@ pub enum Array<'a> {
     Vectors(&'a [Vector3<f64>]),
     /// Indices, i32.
     Indices(&'a [u32]),
+    /// A matrix, as four arrays, whatever the shape says.
+    Matrix(&'a Csr),
 }
 
 /// Writes arrays, each with its name and shape.
@@ -99,6 +101,7 @@ pub fn write_arrays(path: &Path, arrays: &[(&str, &[usize], Array)]) -> Result<(
             for (name, shape, array) in arrays {
                 match array {
                     Array::Floats(values) => archive.array(name, shape, values.iter().copied())?,
+                    Array::Matrix(matrix) => archive.matrix(name, matrix)?,
                     Array::Indices(values) => archive.array(name, shape, signed(values.iter().copied()))?,
                     Array::Vectors(values) => {
                         let shape = [*shape, &[3]].concat();

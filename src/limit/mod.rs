@@ -26,16 +26,18 @@ mod settled;
 mod surface;
 mod tables;
 mod tangents;
+mod taylor;
 mod triangle;
 mod unsettled;
 mod vertex;
 
 pub use patch::Jet;
 pub use surface::{
-    BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule, SurfaceError,
-    SurfacePoint, SurfaceVector,
+    BasisJets, BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule,
+    SurfaceError, SurfacePoint, SurfaceVector,
 };
 pub use tangents::LimitTangents;
+pub use taylor::Taylor;
 
 use crate::cochain::{Cochain, Value, d1};
 use crate::hierarchy::{Hierarchy, HierarchyError};

@@ -1,12 +1,14 @@
 //! Evaluation at points of the limit surface.
 
 mod basis;
+mod jets;
 mod pieces;
 mod point;
 mod prepare;
 mod walk;
 
 pub use basis::{BasisPoint, FaceCells, QuadratureRule};
+pub use jets::BasisJets;
 pub use pieces::{PiecePoint, Pieces};
 pub use point::{PointError, SurfacePoint};
 

@@ -236,6 +236,22 @@ pub fn apply<T: Quantity>(matrix: &Csr, x: &[T]) -> Vec<T> {
     (0..matrix.rows()).into_par_iter().map(|i| dot(row_of(matrix, i), x).unwrap_or(T::zero())).collect()
 }
 
+/// `x . y`: the same sum on any number of threads, in blocks of a fixed size.
+pub fn inner(x: &[f64], y: &[f64]) -> f64 {
+    let block = |(x, y): (&[f64], &[f64])| x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>();
+    let sums: Vec<f64> = x.par_chunks(4096).zip(y.par_chunks(4096)).map(block).collect();
+    sums.iter().sum()
+}
+
+/// `sum_i weights[i] vectors[i]`, of length `len`.
+pub fn combination(vectors: &[Vec<f64>], weights: &[f64], len: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; len];
+    for (vector, &weight) in vectors.iter().zip(weights) {
+        sum.par_iter_mut().zip(vector).for_each(|(x, y)| *x += weight * y);
+    }
+    sum
+}
+
 /// The largest magnitude of an entry of `a - b`, over all entries.
 ///
 /// # Panics

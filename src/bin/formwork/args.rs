@@ -3,6 +3,8 @@
 mod batch;
 mod design;
 mod help;
+mod solve;
+mod study;
 pub mod volume;
 
 use std::path::PathBuf;
@@ -15,6 +17,8 @@ use formwork::io::Frames;
 use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
+pub use solve::{Masses, Solve};
+pub use study::Study;
 
 /// Smooth differential forms on OpenSubdiv surfaces: values on vertices, oriented edges and faces, refined
 /// so that d S = S d exactly.
@@ -51,9 +55,18 @@ pub enum Command {
     /// Trace streamlines of a 1-form on the limit surface
     #[command(after_help = design::STREAMLINES)]
     Streamlines(Streamlines),
+    /// Solve with smooth forms on the surface: Hodge-Laplace problems, eigenforms, diffusion
+    #[command(after_help = solve::SOLVE)]
+    Solve(Solve),
+    /// Write masses and stiffnesses of the smooth forms, for NumPy, SciPy and PETSc
+    #[command(after_help = solve::MASSES)]
+    Masses(Masses),
     /// Measure that the operators commute with d, against OpenSubdiv itself
     #[command(after_help = help::VALIDATE)]
     Validate(Validate),
+    /// Solve a boundary value problem on finer and finer lattices: errors and their rates
+    #[command(after_help = study::HELP)]
+    Study(Study),
     /// Refine many assets, failures apart, and go on where the last run stopped
     #[command(after_help = batch::HELP)]
     Batch(Batch),
@@ -66,13 +79,15 @@ impl Command {
     /// The options of a command on one mesh.
     pub fn common(&self) -> Option<&Common> {
         Some(match self {
-            Command::Batch(_) | Command::Volume(_) => return None,
+            Command::Batch(_) | Command::Study(_) | Command::Volume(_) => return None,
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
             Command::Limit(args) => &args.common,
             Command::Evaluate(args) => &args.common,
             Command::Operators(args) => &args.common,
             Command::Validate(args) => &args.common,
+            Command::Solve(args) => &args.common,
+            Command::Masses(args) => &args.common,
             Command::Design(args) => &args.common,
             Command::Decompose(args) => &args.common,
             Command::Streamlines(args) => &args.common,

@@ -36,6 +36,7 @@ fn main() -> ExitCode {
     };
     let (json, quiet, failing) = match (&args.command, args.command.common()) {
         (Command::Batch(args), _) => (args.json, args.quiet, SOME_FAILED),
+        (Command::Study(args), _) => (args.json, args.quiet, LAW_BROKEN),
         (Command::Volume(args), _) => {
             let common = args.command.common();
             (common.json, common.quiet, LAW_BROKEN)
@@ -48,10 +49,13 @@ fn main() -> ExitCode {
         Command::Limit(args) => run::subdivide::run(&args.into()),
         Command::Evaluate(args) => run::evaluate::run(&args),
         Command::Operators(args) => run::operators::run(&args),
+        Command::Solve(args) => run::solve::run(&args),
+        Command::Masses(args) => run::masses::run(&args),
         Command::Validate(args) => run::validate::run(&args),
         Command::Design(args) => run::design::run(&args),
         Command::Decompose(args) => run::decompose::run(&args),
         Command::Streamlines(args) => run::streamlines::run(&args),
+        Command::Study(args) => run::study::run(&args),
         Command::Batch(args) => run::batch::run(&args),
         Command::Volume(args) => run::volume::run(&args.command),
     };

@@ -20,7 +20,16 @@ impl LimitSurface {
     /// If the cage cannot be refined that far, see [`Hierarchy::new`], or has a vertex that evaluation does not
     /// know.
     pub fn new(cage: &Cage, scheme: Scheme) -> Result<Self, SurfaceError> {
-        let mut levels = unsettled::levels_to_settle(cage, scheme)?;
+        Self::with_levels(cage, scheme, 0)
+    }
+
+    /// [`LimitSurface::new`], refined so many times at least: the same surface, with finer levels in its
+    /// [`LimitSurface::hierarchy`].
+    ///
+    /// # Errors
+    /// As for [`LimitSurface::new`].
+    pub fn with_levels(cage: &Cage, scheme: Scheme, least: usize) -> Result<Self, SurfaceError> {
+        let mut levels = unsettled::levels_to_settle(cage, scheme)?.max(least);
         // One level parts the features of a face, but for those of a triangle with three sharp edges.
         loop {
             let hierarchy = Hierarchy::new(cage, scheme, levels)?;

@@ -57,6 +57,18 @@ pub fn refine(
     command: &str,
     job: &Job,
     fields: &Fields,
+    target: (usize, bool),
+    writing: &Writing,
+) -> Result<Outcome, Failure> {
+    refine_from(command, job, fields, 0, target, writing)
+}
+
+/// [`refine`], with forms that are on a level of the cage's.
+pub fn refine_from(
+    command: &str,
+    job: &Job,
+    fields: &Fields,
+    from: usize,
     (levels, on_limit): (usize, bool),
     writing: &Writing,
 ) -> Result<Outcome, Failure> {
@@ -65,9 +77,9 @@ pub fn refine(
         Hierarchy::with_progress(&job.cage, job.scheme, levels, |level| bar.set_position(work(level)))?;
     bar.set_message("writing ");
     let fields = Fields {
-        form0: fields.form0.as_ref().map(|form| hierarchy.subdivide(form)),
-        form1: fields.form1.as_ref().map(|form| hierarchy.subdivide(form)),
-        form2: fields.form2.as_ref().map(|form| hierarchy.subdivide(form)),
+        form0: fields.form0.as_ref().map(|form| refined(&hierarchy, form, from)),
+        form1: fields.form1.as_ref().map(|form| refined(&hierarchy, form, from)),
+        form2: fields.form2.as_ref().map(|form| refined(&hierarchy, form, from)),
     };
     // The same operators serve every frame.
     let limit = on_limit.then(|| ToLimit::new(&hierarchy, &fields)).transpose()?;
@@ -109,6 +121,11 @@ pub fn refine(
     let mut outcome = outcome(command, job, &surface, &saved);
     outcome.notes.extend(limit.as_ref().and_then(|limit| limit.note()));
     Ok(outcome)
+}
+
+/// A form on a level, refined to the finest.
+fn refined<const K: usize>(hierarchy: &Hierarchy, form: &Cochain<K>, from: usize) -> Cochain<K> {
+    (from + 1..=hierarchy.num_levels()).fold(form.clone(), |form, level| hierarchy.refine(level, &form))
 }
 
 fn outcome(command: &str, job: &Job, surface: &Surface, saved: &Saved) -> Outcome {

@@ -1,0 +1,85 @@
+//! `formwork solve`: what it says and writes, and how it refuses.
+
+mod common;
+
+use std::fs;
+
+use common::run::{formwork, json_file, numbers, object, scratch, succeed};
+use serde_json::json;
+
+fn asset(name: &str) -> String {
+    format!("{}/assets/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn eigenforms_are_counted_and_shown() {
+    let folder = scratch();
+    let problem = asset("eigenforms.problem.json");
+    let args = ["solve", &asset("torus.obj"), "--problem", &problem, "--level", "0", "-o", "eigen.json"];
+    let report = object(folder.path(), &[&args[..], &["--json"]].concat());
+    assert_eq!((&report["zeros"], &report["betti"], &report["shown"]), (&2.into(), &2.into(), &2.into()));
+    let values = numbers(&report["eigenvalues"]);
+    assert!(values.len() == 6 && values.windows(2).all(|w| w[0] <= w[1]) && values[2] > 0.01, "{values:?}");
+    assert_eq!(report["forms"], json!([1]));
+    let text = succeed(folder.path(), &args);
+    assert!(text.contains("of which 2 are 0 (Betti number 2)") && text.contains("shown"), "{text}");
+    let written = json_file(&folder.path().join("eigen.json"));
+    assert!(written["edges"].as_array().is_some_and(|edges| !edges.is_empty()), "{written}");
+}
+
+#[test]
+fn solutions_report_what_they_are() {
+    let folder = scratch();
+    let args = [
+        "solve",
+        &asset("genus2.obj"),
+        "--problem",
+        &asset("genus2.problem.json"),
+        "--field",
+        &asset("genus2.field.json"),
+        "--level",
+        "0",
+        "-o",
+        "w.json",
+        "--json",
+    ];
+    let report = object(folder.path(), &args);
+    assert!(report["residual"].as_f64().unwrap() < 1e-10, "{report}");
+    // The angle round a window is closed and goes round it.
+    let aside = numbers(&report["harmonic_part"]);
+    assert!(aside.len() == 4 && aside.iter().any(|x| x.abs() > 0.01), "{aside:?}");
+    assert!(report["condition"].as_f64().unwrap() > 1.0);
+
+    let mut args = args.map(str::to_owned);
+    args[3] = asset("diffusion.problem.json");
+    let report = object(folder.path(), &args.each_ref().map(|x| x.as_str()));
+    let norm = |key: &str| report["norm"][key].as_f64().unwrap();
+    assert!(norm("after") < norm("before") && norm("after") > 0.0, "{report}");
+}
+
+#[test]
+fn bad_problems_are_told_in_one_line() {
+    let folder = scratch();
+    let torus = asset("torus.obj");
+    let cases = [
+        ("{\"problem\": \"plateau\"}", "unknown variant `plateau`"),
+        ("{\"problem\": \"poisson\",}", "line 1, column 23"),
+        ("{\"problem\": \"poisson\", \"degree\": 1}", "ask for hodge-laplace"),
+        ("{\"problem\": \"hodge-laplace\"}", "\"degree\": is missing"),
+        ("{\"problem\": \"hodge-laplace\", \"degree\": 3}", "degree 0, 1 and 2"),
+        ("{\"problem\": \"hodge-laplace\", \"degree\": 1, \"count\": 2}", "\"count\": belongs to another"),
+        ("{\"problem\": \"eigenforms\", \"degree\": 1, \"count\": 0}", "from 1 to 200"),
+        ("{\"problem\": \"eigenforms\", \"degree\": 1, \"count\": 2, \"show\": 2}", "below \"count\""),
+        ("{\"problem\": \"diffusion\", \"degree\": 1}", "\"step\": is missing"),
+        ("{\"problem\": \"diffusion\", \"degree\": 1, \"step\": -1}", "positive"),
+        ("{\"problem\": \"poisson\"}", "there is no 0-form to work on"),
+    ];
+    for (spec, words) in cases {
+        fs::write(folder.path().join("p.json"), spec).unwrap();
+        let run = formwork(folder.path(), &["solve", &torus, "--problem", "p.json", "-o", "out.json"]);
+        let message = String::from_utf8(run.stderr).unwrap();
+        assert_eq!(run.status.code(), Some(2), "{spec}: {message}");
+        assert!(message.contains(words) && message.trim_end().lines().count() == 1, "{spec}: {message}");
+        assert!(!folder.path().join("out.json").exists());
+    }
+}
