@@ -17,6 +17,11 @@
 //! elements, so the sums are bitwise the same for any number of threads, and symmetric to the bit. Where the surface
 //! had to be refined, matrices `M` of the finest level are pulled back to the cage by its own `S`, as `S' M S`.
 //!
+//! Metrics other than the surface's own are [`Metric`]s; domains are faces, [`Elements::within`]. The forms are smooth enough
+//! for the energies of `Delta` and of `Delta Delta`, so boundary value problems with all of a form prescribed can be solved
+//! for it alone ([`BoundaryProblem`]); [`MixedProblem`] is right with natural data and at any corner, and [`study`] measures
+//! how fast either converges.
+//!
 //! Matrices are singular on purpose where the basis is dependent: on regular triangle meshes some combinations of
 //! edges (`1, 1, -1` along the three directions), and the 2-forms they bound, have the limit 0. `d0' M1 d0` has
 //! nothing in its kernel but constants.

@@ -218,7 +218,7 @@ impl Neg for Taylor {
 impl Sub for Taylor {
     type Output = Taylor;
     fn sub(self, other: Taylor) -> Taylor {
-        self + -other
+        self.add(-other)
     }
 }
 
@@ -253,7 +253,7 @@ impl Mul for Taylor {
 impl Div for Taylor {
     type Output = Taylor;
     fn div(self, other: Taylor) -> Taylor {
-        self * other.recip()
+        self.mul(other.recip())
     }
 }
 

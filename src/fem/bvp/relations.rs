@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::fem::Elements;
+use crate::fem::{Elements, Quadrature};
 use crate::topology::HalfEdge;
 
 /// What a combination on one face may leave of a form, squared, relative to the largest there is.
@@ -55,10 +55,12 @@ impl Relations<'_> {
         }
         let elements = self.elements;
         let found = self.local[number].get_or_insert_with(|| {
-            let points = elements.basis(face);
-            let n = points[0].forms1.len();
+            // Not by the elements' own rule, which may be too weak to tell forms apart.
+            let surface = elements.surface();
+            let points = surface.basis(number, Quadrature::new(surface.hierarchy().split_kind()).rules());
+            let n = surface.face_cells(face).half_edges.len();
             let mut gram = DMatrix::zeros(n, n);
-            for point in points {
+            for point in &points {
                 let rows = DMatrix::from_fn(2, n, |k, i| point.forms1[i][k]);
                 gram += rows.tr_mul(&rows) * point.weight;
             }

@@ -137,8 +137,9 @@ impl BoundaryProblem<'_, '_> {
     /// Solves with some data.
     ///
     /// # Errors
-    /// [`FemError::Singular`] if the system is not definite: the factors of Nitsche's method are too small, or the basis is
-    /// dependent; [`FemError::NoConvergence`] if data that is imposed strongly contradicts itself.
+    /// [`FemError::Singular`] if the system is singular: the basis is dependent. A system that is only indefinite, because the
+    /// factors of Nitsche's method are too small, is solved all the same. [`FemError::NoConvergence`] if data that is imposed
+    /// strongly contradicts itself.
     pub fn solve(&self, data: &Data, imposed: Imposed) -> Result<Solved, FemError> {
         let faces = self.elements.surface().hierarchy().finest().mesh().num_faces() as u32;
         let locals: Vec<Local> = (0..faces)

@@ -28,8 +28,8 @@ const F: [&str; 2] = ["x + y + sin(pi*y)/(4*pi)", "y + sin(pi*x)/(4*pi)"];
 const F_SYMMETRIC: [&str; 2] = ["x + sin(pi*y)/(4*pi)", "y + sin(pi*x)/(4*pi)"];
 /// (5.38).
 const BI: [&str; 2] = ["sin(pi*x)*sin(pi*y)", "sin(2*pi*x)*sin(pi*y)"];
-/// `r^(2/3) sin(2t/3)`, `t` from the positive x axis.
-const SINGULAR: &str = "(x^2 + y^2)^(1/3) * sin(2/3*(atan2(-y, -x) + pi))";
+/// `r^(2/3) sin(2t/3)`, `t` from the positive x axis; the angle jumps in the quadrant that is missing.
+const SINGULAR: &str = "(x^2 + y^2)^(1/3) * sin(2/3*(atan2(-x-y, y-x) + 3*pi/4))";
 
 /// A study by name.
 pub fn named(name: &str) -> Option<Study> {
@@ -70,11 +70,11 @@ pub fn named(name: &str) -> Option<Study> {
         "I-mixed" => Study { method: Method::Mixed, ..plain(I) },
         "I-F-mixed" => Study { method: Method::Mixed, ..mapped(I, F) },
         "lshape-smooth" => lshape(I),
-        "lshape-singular" => lshape([SINGULAR, "0"]),
+        "lshape-singular" => lshape([SINGULAR, SINGULAR]),
         "lshape-one" => Study {
-            load: Some(owned(["1", "0"])),
+            load: Some(owned(["1", "1"])),
             boundary_data: Some(owned(["0", "0"])),
-            ..lshape(["poisson-1", "0"])
+            ..lshape(["poisson-1", "poisson-1"])
         },
         "bilaplace" => Study { method: Method::BiLaplace, ..plain(BI) },
         _ => return None,

@@ -18,7 +18,7 @@ pub struct Series {
 
 impl Series {
     /// Fits the coefficients.
-    pub fn new() -> Self {
+    pub fn fit() -> Self {
         // From (1, 0) by (1, 1), (-1, 1), (-1, -1) to (0, -1), denser towards the ends of each.
         let corners = [[1.0, 0.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [0.0, -1.0]];
         let mut points = Vec::new();
@@ -58,9 +58,9 @@ impl Series {
     }
 }
 
-/// The angle from the positive x axis, from 0 to `2 pi`.
+/// The angle from the positive x axis; it jumps in the quadrant that is missing.
 fn angle(x: Taylor, y: Taylor) -> Taylor {
-    (-y).atan2(&-x) + Taylor::constant(std::f64::consts::PI)
+    (-x - y).atan2(&(y - x)) + Taylor::constant(0.75 * std::f64::consts::PI)
 }
 
 fn singular(k: usize, x: Taylor, y: Taylor) -> Taylor {
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn the_series_solves_its_problem() {
-        let series = Series::new();
+        let series = Series::fit();
         for point in [[0.5, 0.5], [-0.3, 0.7], [-0.9, -0.8], [-0.01, -0.02]] {
             let [x, y] = Taylor::variables(point, 2);
             let u = series.at(x, y);

@@ -166,7 +166,8 @@ impl Study {
             return wrong("boundary", "the data of the mixed form is natural: leave this out");
         }
         self.elements.iter().try_for_each(|cells| self.rule(cells.kind()).map(|_| ()))?;
-        (self.data()?, self.metric()?);
+        self.data()?;
+        self.metric()?;
         Ok(())
     }
 
@@ -227,7 +228,7 @@ fn form(components: &[String; 2]) -> Result<SpaceForm, StudyError> {
         Poisson(Series),
     }
     let parse = |text: &String| match text.as_str() {
-        "poisson-1" => Ok(Component::Poisson(Series::new())),
+        "poisson-1" => Ok(Component::Poisson(Series::fit())),
         text => Expression::parse(text).map(|x| Component::Formula(Box::new(x))),
     };
     let parsed = [parse(&components[0])?, parse(&components[1])?];

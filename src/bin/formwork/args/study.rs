@@ -27,8 +27,8 @@ Errors are norms in the metric over the domain: of w itself (L2), of its first
 derivatives (energy, H1), of its second ones (H2). h is the size of a cell.
 
 Examples:
-  formwork study I --cells 4,8,16
-  formwork study bilaplace --elements quads --cells 8,16 --json
+  formwork study I --cells 4,8
+  formwork study bilaplace --elements quads --cells 4,8 --json
   formwork study assets/mine.study.json --cells 4,8 -o mine.svg";
 
 #[derive(Debug, clap::Args)]
