@@ -8,9 +8,7 @@ mod solids;
 use std::time::Instant;
 
 use common::{Random, meshes};
-use formwork::fem::{
-    Elements, HilbertComplex, HodgeLaplace, Quadrature, Resolvent, conjugate_gradients, stiffness,
-};
+use formwork::fem::{Elements, HilbertComplex, HodgeLaplace, Quadrature, conjugate_gradients, stiffness};
 use formwork::limit::LimitSurface;
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
 use formwork::topology::Cage;

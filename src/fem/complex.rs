@@ -47,8 +47,8 @@ impl HilbertComplex {
     /// # Panics
     /// If the matrices do not fit.
     pub fn new(mass: [Csr; 3], d: [Csr; 2]) -> Self {
-        for k in 0..3 {
-            assert_eq!(mass[k].rows(), mass[k].cols(), "M{k} is not square");
+        for (k, mass) in mass.iter().enumerate() {
+            assert_eq!(mass.rows(), mass.cols(), "M{k} is not square");
         }
         for k in 0..2 {
             assert_eq!(d[k].shape(), (mass[k + 1].rows(), mass[k].rows()), "d{k} does not fit the masses");

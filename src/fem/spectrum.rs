@@ -157,10 +157,11 @@ impl Basis {
             // Against those of its own block; and where that leaves little, against all once more.
             let (mut first, mut previous) = (known, f64::INFINITY);
             loop {
-                for i in first..self.vectors.len() {
-                    let c = inner(&self.weighed[i], &x);
-                    x.par_iter_mut().zip(&self.vectors[i]).for_each(|(x, y)| *x -= c * y);
-                    sum[i] += c;
+                let basis = self.vectors.iter().zip(&self.weighed).zip(sum.iter_mut());
+                for ((q, weighed), sum) in basis.skip(first) {
+                    let c = inner(weighed, &x);
+                    x.par_iter_mut().zip(q).for_each(|(x, y)| *x -= c * y);
+                    *sum += c;
                 }
                 let mut weighed = resolvent.weigh(&x);
                 let size = inner(&x, &weighed).max(0.0).sqrt();
