@@ -30,6 +30,7 @@ mod triangle;
 mod unsettled;
 mod vertex;
 
+pub(crate) use model::{block, dense};
 pub use patch::Jet;
 pub use surface::{
     BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule, SurfaceError,

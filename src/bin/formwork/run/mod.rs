@@ -1,11 +1,15 @@
 //! What the commands do, one module each. Every one returns an [`Outcome`]; `main` prints it.
 
+pub mod basis;
 pub mod batch;
+pub mod charmap;
 pub mod decompose;
 pub mod design;
 pub mod evaluate;
 pub mod inspect;
 pub mod operators;
+pub mod spectrum;
+pub mod stencil;
 pub mod streamlines;
 pub mod subdivide;
 mod to_limit;
