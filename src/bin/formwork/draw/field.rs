@@ -11,9 +11,9 @@ pub struct Grid {
 }
 
 /// Shades of the colour scale: few enough that a picture is small, more than the eye tells apart.
-const SHADES: usize = 96;
+const SHADES: usize = 192;
 /// Lines of equal value on each side of 0.
-const LINES: usize = 6;
+const LINES: usize = 8;
 
 const STOPS: [[f64; 3]; 7] = [
     [33.0, 60.0, 120.0],
@@ -42,12 +42,15 @@ impl Grid {
         self.triangles.extend(triangles.iter().map(|t| t.map(|i| first + i)));
     }
 
-    /// The modulus that all but one value in two hundred stay below: near an irregular vertex a few may be large.
+    /// The largest modulus; or, if a few values near an irregular vertex are much larger than all others, that which all but
+    /// one in two hundred stay below.
     pub fn range(&self) -> f64 {
-        let mut sizes: Vec<f64> = self.values.iter().map(|x| x.abs()).filter(|x| x.is_finite()).collect();
+        let sizes = self.values.iter().map(|x| x.abs());
+        let mut sizes: Vec<f64> = sizes.filter(|x| x.is_finite() && *x > 1e-9).collect();
         sizes.sort_by(f64::total_cmp);
-        let at = (0.995 * (sizes.len() as f64 - 1.0)).max(0.0) as usize;
-        sizes.get(at).copied().unwrap_or(1.0).max(1e-12)
+        let Some(&most) = sizes.last() else { return 1e-12 };
+        let nearly = sizes[(0.995 * (sizes.len() as f64 - 1.0)) as usize];
+        if most < 1.6 * nearly { most } else { nearly }
     }
 
     /// Paints the values, `range` in the full colours, with lines of equal value. Triangles with a value that does not exist are left out.
@@ -67,6 +70,10 @@ impl Grid {
             shades[shade].push(t.map(|i| placed[i]).to_vec());
             for level in 1..2 * LINES {
                 let value = (level as f64 - LINES as f64) / LINES as f64;
+                // Where a form dies out its sign is rounding.
+                if level == LINES && values.iter().all(|x| x.abs() < 0.01) {
+                    continue;
+                }
                 if let Some(line) = crossing(values.map(|x| x - value - 1e-9), t.map(|i| placed[i])) {
                     if level == LINES { zero.push(line) } else { lines.push(line) }
                 }

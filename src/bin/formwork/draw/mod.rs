@@ -88,13 +88,7 @@ pub struct Panel {
 impl Panel {
     /// The box around some points, as large as fits into `size` at `corner` (top left) and in its middle.
     pub fn around(points: impl IntoIterator<Item = Point>, corner: Point, size: Point) -> Self {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for p in points {
-            for k in 0..2 {
-                low[k] = low[k].min(p[k]);
-                high[k] = high[k].max(p[k]);
-            }
-        }
+        let [low, high] = extent(points);
         let scale = (0..2).map(|k| size[k] / (high[k] - low[k]).max(1e-9)).fold(f64::INFINITY, f64::min);
         let middle = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];
         let origin =
@@ -109,4 +103,12 @@ impl Panel {
     pub fn place_all(&self, points: &[Point]) -> Vec<Point> {
         points.iter().map(|&p| self.place(p)).collect()
     }
+}
+
+/// The lowest and the highest coordinates.
+pub fn extent(points: impl IntoIterator<Item = Point>) -> [Point; 2] {
+    let around = |[low, high]: [Point; 2], p: Point| {
+        [[low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])]]
+    };
+    points.into_iter().fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], around)
 }

@@ -6,13 +6,13 @@ use serde_json::json;
 use super::{Outcome, size_of};
 use crate::Failure;
 use crate::args::{Basis, Cell, scheme_name};
-use crate::draw::{ACCENT, Grid, INK, Panel, Picture, Point, legend};
+use crate::draw::{ACCENT, Grid, INK, Panel, Picture, Point, extent, legend};
 use crate::job::{check_outputs, format_of};
 
 /// Rings of control points; forms are drawn on one less.
 const RINGS: usize = 4;
 /// Samples along the sides of a face.
-const STEPS: usize = 12;
+const STEPS: usize = 16;
 const SIDE: f64 = 340.0;
 const MARGIN: f64 = 22.0;
 
@@ -30,7 +30,9 @@ pub fn run(args: &Basis) -> Result<Outcome, Failure> {
 
     let parts: &[&str] = if degree == 1 { &["dx", "dy"] } else { &["value"] };
     let mut text = format!("{title}\n");
-    for (part, [low, high]) in parts.iter().zip(&ranges) {
+    for (part, range) in parts.iter().zip(&ranges) {
+        // No -0.0000.
+        let [low, high] = range.map(|x| if x.abs() < 5e-5 { 0.0 } else { x });
         text += &format!("{part:<6}{low:>9.4} to {high:.4}\n");
     }
     text += &format!("wrote {}{}\n", args.output.display(), size_of(&args.output));
@@ -115,22 +117,24 @@ fn picture(
     }
     let range = grids.iter().map(Grid::range).fold(0.0, f64::max);
     let width = MARGIN + parts as f64 * (SIDE + MARGIN);
-    let mut picture = Picture::new(width.max(420.0), SIDE + 118.0);
+    let [low, high] = extent(grids[0].points.iter().copied());
+    let tall = SIDE * ((high[1] - low[1]) / (high[0] - low[0])).clamp(0.3, 1.0);
+    let mut picture = Picture::new(width.max(420.0), tall + 118.0);
     let middle = picture.width / 2.0;
     picture.text([middle, 26.0], title, 14.0, INK, 0.5);
     for (k, grid) in grids.iter().enumerate() {
         let left = middle + (k as f64 - parts as f64 / 2.0) * (SIDE + MARGIN) + MARGIN / 2.0;
-        let panel = Panel::around(grid.points.iter().copied(), [left, 40.0], [SIDE, SIDE]);
+        let panel = Panel::around(grid.points.iter().copied(), [left, 40.0], [SIDE, tall]);
         grid.paint(&mut picture, &panel, range);
         let placed = rims.iter().map(|rim| panel.place_all(rim)).collect();
         picture.lines(placed, [110, 110, 115], 0.4);
         mark(&mut picture, &panel, map, degree, cell, sign)?;
         let part = ["dx part", "dy part"][k];
         if parts == 2 {
-            picture.text([left + SIDE / 2.0, SIDE + 60.0], part, 12.0, INK, 0.5);
+            picture.text([left + SIDE / 2.0, tall + 60.0], part, 12.0, INK, 0.5);
         }
     }
-    legend(&mut picture, [middle - 100.0, SIDE + 74.0], [200.0, 10.0], range);
+    legend(&mut picture, [middle - 100.0, tall + 74.0], [200.0, 10.0], range);
     let of = |grid: &Grid| {
         let finite = grid.values.iter().filter(|x| x.is_finite());
         finite.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &x| [a.min(x), b.max(x)])

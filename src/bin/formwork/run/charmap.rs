@@ -77,6 +77,11 @@ pub fn run(args: &CharMap) -> Result<Outcome, Failure> {
     Ok(Outcome { text, json, notes, holds: true })
 }
 
+/// Maps of boundary vertices are half disks.
+fn height(boundary: bool) -> f64 {
+    if boundary { 0.62 * SIDE } else { SIDE }
+}
+
 /// The maps in rows of at most five.
 fn picture(name: &str, maps: &[(CharacteristicMap, Regularity)]) -> Result<Picture, Failure> {
     let columns = match maps.len() {
@@ -85,7 +90,8 @@ fn picture(name: &str, maps: &[(CharacteristicMap, Regularity)]) -> Result<Pictu
         _ => 4,
     };
     let rows = maps.len().div_ceil(columns).max(1);
-    let step = [SIDE + MARGIN, SIDE + CAPTION + MARGIN];
+    let tall = height(maps.iter().all(|(map, _)| map.ring().is_boundary()));
+    let step = [SIDE + MARGIN, tall + CAPTION + MARGIN];
     let size = [MARGIN + columns as f64 * step[0], MARGIN + rows as f64 * step[1]];
     let mut picture = Picture::new(size[0], size[1]);
     for (i, (map, found)) in maps.iter().enumerate() {
@@ -95,10 +101,10 @@ fn picture(name: &str, maps: &[(CharacteristicMap, Regularity)]) -> Result<Pictu
         let [a, b] = map.eigenvalues();
         let values = if (a - b).abs() < 1e-9 { format!("{a:.4}") } else { format!("{a:.4}, {b:.4}") };
         let title = format!("{name}, valence {}", map.ring().faces());
-        picture.text([middle, corner[1] + SIDE + 18.0], title, 13.0, INK, 0.5);
+        picture.text([middle, corner[1] + tall + 18.0], title, 13.0, INK, 0.5);
         let [low, high] = found.determinant;
         let below = format!("eigenvalue {values}, det {low:.2} to {high:.2}");
-        picture.text([middle, corner[1] + SIDE + 36.0], below, 10.5, GREY, 0.5);
+        picture.text([middle, corner[1] + tall + 36.0], below, 10.5, GREY, 0.5);
     }
     Ok(picture)
 }
@@ -124,19 +130,19 @@ fn draw(picture: &mut Picture, corner: Point, map: &CharacteristicMap) -> Result
             layers[layer].push(jets.iter().map(|jet| [jet.value.x, jet.value.y]).collect());
         }
     }
-    let drawn = layers.iter().flatten().flatten().copied();
-    let panel = Panel::around(drawn, corner, [SIDE, SIDE]);
+    // Those of the second ring are the first ones round which nothing is left to choose.
+    let shown = ring.num_vertices_to(2);
+    let drawn = layers.iter().flatten().flatten().chain(&control[..shown]).copied();
+    let panel = Panel::around(drawn, corner, [SIDE, height(ring.is_boundary())]);
     let [far, near, rims] = layers.map(|lines| lines.iter().map(|l| panel.place_all(l)).collect());
     picture.lines(far, PALE, 0.5);
     picture.lines(near, [120, 138, 170], 0.6);
-    picture.lines(rims, INK, 1.0);
+    picture.lines(rims, INK, 0.8);
     let net = |edges: &mut dyn Iterator<Item = [u32; 2]>| -> Vec<Vec<Point>> {
         edges.map(|e| e.map(|v| panel.place(control[v as usize])).to_vec()).collect()
     };
-    // Those of the second ring are the first ones round which nothing is left to choose.
-    let shown = ring.num_vertices_to(2);
     let lines = net(&mut ring.edges().into_iter().filter(|e| e.iter().all(|&v| (v as usize) < shown)));
-    picture.lines(lines, ACCENT, 0.55);
+    picture.lines(lines, ACCENT, 0.5);
     for &p in &control[..shown] {
         picture.dot(panel.place(p), 2.0, ACCENT);
     }

@@ -132,7 +132,8 @@ fn number(e: &Eigenvalue) -> String {
     }
     let fraction = (0..=8).map(|p| 1u32 << p).find_map(|d| {
         let n = (re * f64::from(d)).round();
-        ((re - n / f64::from(d)).abs() < 1e-12 && n != 0.0 && d > 1).then(|| format!(" = {n}/{d}"))
+        ((re - n / f64::from(d)).abs() < 1e-12 && n != 0.0 && (re - re.round()).abs() > 1e-9)
+            .then(|| format!(" = {n}/{d}"))
     });
     let shown = if re.abs() < 5e-11 { 0.0 } else { re };
     format!("{shown:.10}{}", fraction.unwrap_or_default())

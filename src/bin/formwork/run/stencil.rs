@@ -110,6 +110,20 @@ fn picture(
     let face = |f: usize| &d.face_vertices[f * size..(f + 1) * size];
     picture.lines(edges.iter().map(|e| e.map(child).to_vec()).collect(), PALE, 0.5);
     picture.lines(edges.iter().map(|e| e.map(parent).to_vec()).collect(), GREY, 1.0);
+    let mut labels = Vec::new();
+    for &(c, w) in terms {
+        let at = match degree {
+            0 => parent(c as u32),
+            1 => {
+                let [p, q] = edges[c].map(parent);
+                let along = |x: f64| [0, 1].map(|k| p[k] + x * (q[k] - p[k]));
+                picture.arrow(vec![along(0.06), along(0.94)], INK, 1.3);
+                along(0.62)
+            }
+            _ => middle(&face(c).iter().map(|&v| parent(v)).collect::<Vec<_>>()),
+        };
+        labels.push((at, number(w, factor)));
+    }
     match degree {
         0 => picture.dot(child(cell as u32), 6.0, ACCENT),
         1 => {
@@ -122,19 +136,8 @@ fn picture(
             picture.lines(vec![rim], ACCENT, 3.2);
         }
     }
-    for &(c, w) in terms {
-        let at = match degree {
-            0 => parent(c as u32),
-            1 => {
-                let [p, q] = edges[c].map(parent);
-                // A piece of the edge with its direction, the weight on it.
-                let along = |x: f64| [0, 1].map(|k| p[k] + x * (q[k] - p[k]));
-                picture.arrow(vec![along(0.08), along(0.92)], INK, 1.3);
-                along(0.55)
-            }
-            _ => middle(&face(c).iter().map(|&v| parent(v)).collect::<Vec<_>>()),
-        };
-        label(&mut picture, at, &number(w, factor));
+    for (at, text) in labels {
+        label(&mut picture, at, &text);
     }
     picture.text([SIDE / 2.0 + MARGIN, SIDE + 2.0 * MARGIN + 10.0], title, 14.0, INK, 0.5);
     picture
