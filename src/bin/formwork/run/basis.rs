@@ -11,8 +11,9 @@ use crate::job::{check_outputs, format_of};
 
 /// Rings of control points; forms are drawn on one less.
 const RINGS: usize = 4;
-/// Samples along the sides of a face.
-const STEPS: usize = 16;
+/// Samples along the sides of a face at the vertex, where forms bend most, and of all others.
+const NEAR: usize = 32;
+const FAR: usize = 14;
 const SIDE: f64 = 340.0;
 const MARGIN: f64 = 22.0;
 
@@ -96,10 +97,11 @@ fn picture(
 ) -> Result<(Picture, Vec<[f64; 2]>), Failure> {
     let parts = if degree == 1 { 2 } else { 1 };
     let mut grids: Vec<Grid> = (0..parts).map(|_| Grid::default()).collect();
-    let (parameters, triangles) = face_grid(map.ring().split_kind());
+    let [near_grid, far_grid] = [NEAR, FAR].map(|steps| face_grid(map.ring().split_kind(), steps));
     let mut rims: Vec<Vec<Point>> = Vec::new();
     for face in map.faces() {
         let near = map.ring().ring_of_face(face as usize) == 1;
+        let (parameters, triangles) = if near { &near_grid } else { &far_grid };
         // A density does not exist at the vertex itself.
         let inner = |[s, t]: [f64; 2]| if near && degree == 2 && s + t == 0.0 { [1e-3; 2] } else { [s, t] };
         let at = |[s, t]: [f64; 2]| SurfacePoint { face, corner: 0, s, t };
@@ -108,7 +110,7 @@ fn picture(
         let positions: Vec<Point> = samples.iter().map(|s| [s.position.x, s.position.y]).collect();
         for (k, grid) in grids.iter_mut().enumerate() {
             let value = |sample: &Sample| sign * sample.parts[k];
-            grid.extend(&positions, &samples.iter().map(value).collect::<Vec<f64>>(), &triangles);
+            grid.extend(&positions, &samples.iter().map(value).collect::<Vec<f64>>(), triangles);
         }
         for rim in rim_lines(map.ring().split_kind()) {
             let points: Vec<_> = rim.into_iter().map(at).collect();
@@ -192,25 +194,25 @@ fn mark(
 }
 
 /// Points of a face and the triangles between them.
-fn face_grid(kind: SplitKind) -> (Vec<[f64; 2]>, Vec<[usize; 3]>) {
+fn face_grid(kind: SplitKind, steps: usize) -> (Vec<[f64; 2]>, Vec<[usize; 3]>) {
     let quad = kind == SplitKind::Quad;
-    let (mut points, mut numbers) = (Vec::new(), vec![usize::MAX; (STEPS + 1) * (STEPS + 1)]);
-    for i in 0..=STEPS {
-        for j in 0..=STEPS {
-            if quad || i + j <= STEPS {
-                numbers[i * (STEPS + 1) + j] = points.len();
-                points.push([i, j].map(|x| x as f64 / STEPS as f64));
+    let (mut points, mut numbers) = (Vec::new(), vec![usize::MAX; (steps + 1) * (steps + 1)]);
+    for i in 0..=steps {
+        for j in 0..=steps {
+            if quad || i + j <= steps {
+                numbers[i * (steps + 1) + j] = points.len();
+                points.push([i, j].map(|x| x as f64 / steps as f64));
             }
         }
     }
-    let number = |i: usize, j: usize| numbers[i * (STEPS + 1) + j];
+    let number = |i: usize, j: usize| numbers[i * (steps + 1) + j];
     let mut triangles = Vec::new();
-    for i in 0..STEPS {
-        for j in 0..STEPS {
-            if quad || i + j < STEPS {
+    for i in 0..steps {
+        for j in 0..steps {
+            if quad || i + j < steps {
                 triangles.push([number(i, j), number(i + 1, j), number(i, j + 1)]);
             }
-            if quad || i + j + 1 < STEPS {
+            if quad || i + j + 1 < steps {
                 triangles.push([number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)]);
             }
         }

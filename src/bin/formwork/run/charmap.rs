@@ -11,9 +11,8 @@ use crate::job::{check_outputs, format_of};
 
 /// Rings of the map in a picture, one less than those of control points.
 const RINGS: usize = 3;
-/// Lines of the grid to a side of a face, and points on each.
+/// Lines of the grid to a side of a face.
 const LINES: usize = 8;
-const POINTS: usize = 24;
 /// The size of one map on the page, and of the space under it for its numbers.
 const SIDE: f64 = 250.0;
 const CAPTION: f64 = 52.0;
@@ -116,7 +115,7 @@ fn draw(picture: &mut Picture, corner: Point, map: &CharacteristicMap) -> Result
     let mut layers: [Vec<Vec<Point>>; 3] = Default::default();
     for face in map.faces() {
         let near = ring.ring_of_face(face as usize) == 1;
-        for (line, is_rim) in face_lines(ring.split_kind()) {
+        for (line, is_rim) in face_lines(ring.split_kind(), if near { 16 } else { 6 }) {
             let points: Vec<_> =
                 line.into_iter().map(|[s, t]| SurfacePoint { face, corner: 0, s, t }).collect();
             let jets = map.evaluate(&points)?;
@@ -149,14 +148,14 @@ fn draw(picture: &mut Picture, corner: Point, map: &CharacteristicMap) -> Result
     Ok(())
 }
 
-/// Lines of the grid on a face in its parameters, and whether they are its rim.
-fn face_lines(kind: SplitKind) -> Vec<(Vec<[f64; 2]>, bool)> {
+/// Lines of the grid on a face in its parameters, of so many pieces, and whether they are its rim.
+fn face_lines(kind: SplitKind, points: usize) -> Vec<(Vec<[f64; 2]>, bool)> {
     let part = |i: usize, n: usize| i as f64 / n as f64;
     let mut lines = Vec::new();
     for i in 0..=LINES {
         let x = part(i, LINES);
         let along = |at: &dyn Fn(f64) -> [f64; 2]| -> Vec<[f64; 2]> {
-            (0..=POINTS).map(|j| at(part(j, POINTS))).collect()
+            (0..=points).map(|j| at(part(j, points))).collect()
         };
         match kind {
             SplitKind::Quad => {

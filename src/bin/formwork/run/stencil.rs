@@ -5,7 +5,7 @@ use super::basis::cell_of;
 use super::{Outcome, size_of};
 use crate::Failure;
 use crate::args::{Stencil, scheme_name};
-use crate::draw::{ACCENT, GREY, INK, PALE, Panel, Picture, Point};
+use crate::draw::{ACCENT, GREY, INK, PALE, Panel, Picture, Point, extent};
 use crate::job::{check_outputs, format_of};
 
 const SIDE: f64 = 560.0;
@@ -100,8 +100,10 @@ fn picture(
     let d = ring.descriptor();
     let control: Vec<Point> = map.control().iter().map(|p| [p.x, p.y]).collect();
     let [a, b] = map.eigenvalues();
-    let mut picture = Picture::new(SIDE + 2.0 * MARGIN, SIDE + 2.0 * MARGIN + 30.0);
-    let panel = Panel::around(control.iter().copied(), [MARGIN, MARGIN], [SIDE, SIDE]);
+    let [low, high] = extent(control.iter().copied());
+    let tall = SIDE * ((high[1] - low[1]) / (high[0] - low[0])).clamp(0.3, 1.0);
+    let mut picture = Picture::new(SIDE + 2.0 * MARGIN, tall + 2.0 * MARGIN + 30.0);
+    let panel = Panel::around(control.iter().copied(), [MARGIN, MARGIN], [SIDE, tall]);
     // The rings of the next level are the same, smaller.
     let parent = |v: u32| panel.place(control[v as usize]);
     let child = |v: u32| panel.place([a * control[v as usize][0], b * control[v as usize][1]]);
@@ -139,7 +141,7 @@ fn picture(
     for (at, text) in labels {
         label(&mut picture, at, &text);
     }
-    picture.text([SIDE / 2.0 + MARGIN, SIDE + 2.0 * MARGIN + 10.0], title, 14.0, INK, 0.5);
+    picture.text([SIDE / 2.0 + MARGIN, tall + 2.0 * MARGIN + 10.0], title, 14.0, INK, 0.5);
     picture
 }
 
