@@ -49,10 +49,11 @@ pub struct Regularity {
 }
 
 impl Regularity {
-    /// Whether nothing speaks against injectivity: the determinant is positive at every sample and the rim runs round the vertex
-    /// once. With a positive determinant everywhere the map would be injective.
+    /// Whether nothing speaks against injectivity: the determinant is positive at every sample, by more than rounding, and the
+    /// rim runs round the vertex once. With a positive determinant everywhere the map would be injective.
     pub fn holds(&self) -> bool {
-        self.determinant[0] > 0.0 && (self.turn - self.expected_turn).abs() < 1e-6
+        let [least, most] = self.determinant;
+        least > 1e-9 * most && (self.turn - self.expected_turn).abs() < 1e-6
     }
 }
 

@@ -148,7 +148,8 @@ evaluated exactly at (N + 1)^2 points to a face, but for those which scaling
 repeats; reported are the least and the largest determinant and by how much of a
 turn the rim of the first ring runs round the vertex. That is a sample, no proof.
 
-The picture has the control points of two rings and the refined grid on the first.
+The picture has the control points of two rings and the refined grid on these,
+darker on the first.
 
 Examples:
   formwork charmap --scheme catmark --valence 5 -o charmap.svg
