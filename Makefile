@@ -1,10 +1,11 @@
 PREFIX = /usr/local
 
 # make demo and make test are all that a newcomer needs; both install what is missing (scripts/setup).
-.PHONY: help demo test bench lib install clean
+.PHONY: help demo figures test bench lib install clean
 
 help:
 	@echo 'make demo    build, refine a creased cage with a 1-form on it, check d S = S d, draw it'
+	@echo 'make figures draw characteristic maps and basis forms, and put them on one page, figures/index.html'
 	@echo 'make test    every test: Rust, documentation, SciPy reader, examples, memory check'
 	@echo 'make bench   time building and applying the operators, against OpenSubdiv alone'
 	@echo 'make install PREFIX=/usr/local    the C++ API: headers, library, CMake package, pkg-config file'
@@ -13,6 +14,10 @@ help:
 demo:
 	@scripts/setup
 	@scripts/demo
+
+figures:
+	@scripts/setup
+	@scripts/figures
 
 test:
 	@scripts/setup --test
@@ -31,4 +36,4 @@ install:
 
 clean:
 	cargo clean
-	rm -rf demo-out .venv
+	rm -rf demo-out figures .venv

@@ -47,14 +47,17 @@
 //! and the surface, at points. On it, [`fem`] has the inner products of forms, and [`design`] decomposes fields and
 //! makes new ones.
 //!
+//! [`analysis`] has the spectra of a scheme at a vertex, and characteristic maps.
+//!
 //! In space, [`octet`] does the same for 0-, 1-, 2- and 3-forms on tetrahedra and octahedra.
 //!
 //! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
-//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `fem`, `design`. `ARCHITECTURE.md` draws them.
+//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `analysis`, `fem`, `design`. `ARCHITECTURE.md` draws them.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod analysis;
 pub mod cochain;
 pub mod design;
 pub mod fem;
@@ -79,3 +82,14 @@ pub use sprs;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// Runs the examples of the book in `docs/`.
+#[cfg(doctest)]
+mod book {
+    #[doc = include_str!("../docs/src/vertex.md")]
+    struct Vertex;
+    #[doc = include_str!("../docs/src/from-opensubdiv.md")]
+    struct FromOpenSubdiv;
+    #[doc = include_str!("../docs/src/from-a-paper.md")]
+    struct FromAPaper;
+}

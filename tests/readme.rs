@@ -1,5 +1,5 @@
-//! What README.md shows, run: its commands, then its SciPy reader on what they wrote. The Rust example
-//! there is a documentation test.
+//! What README.md and the pages in docs/ show, run: their commands, then the README's SciPy reader on what they
+//! wrote. The Rust examples are documentation tests.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,9 +11,13 @@ fn root() -> &'static Path {
 
 /// The code blocks of README.md in a language.
 fn blocks(language: &str) -> Vec<String> {
-    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    blocks_of(&fs::read_to_string(root().join("README.md")).unwrap(), language)
+}
+
+/// The code blocks of a page in a language.
+fn blocks_of(page: &str, language: &str) -> Vec<String> {
     let mut blocks = Vec::new();
-    let mut rest = readme.as_str();
+    let mut rest = page;
     while let Some(start) = rest.find("\n```") {
         let (tag, body) = rest[start + 4..].split_once('\n').unwrap();
         let end = body.find("```").unwrap();
@@ -47,13 +51,69 @@ fn run(program: &Path, arguments: &[&str], folder: &Path) -> String {
 
 /// Runs each `formwork` line of the README; returns the number of lines.
 fn run_commands(folder: &Path) -> usize {
-    let blocks = blocks("sh").concat();
+    run_lines(&blocks("sh"), folder)
+}
+
+/// Runs each `formwork` line of some blocks; returns the number of lines.
+fn run_lines(blocks: &[String], folder: &Path) -> usize {
+    let blocks = blocks.concat();
     let commands: Vec<&str> = blocks.lines().filter_map(|line| line.strip_prefix("formwork ")).collect();
     for command in &commands {
         let arguments: Vec<&str> = command.split_whitespace().collect();
         run(Path::new(env!("CARGO_BIN_EXE_formwork")), &arguments, folder);
     }
     commands.len()
+}
+
+/// The pages of the book, by name, in the order of its summary.
+fn pages() -> Vec<(String, String)> {
+    let folder = root().join("docs/src");
+    let summary = fs::read_to_string(folder.join("SUMMARY.md")).unwrap();
+    let names = summary.split("](").skip(1).map(|rest| rest.split(')').next().unwrap().to_owned());
+    names.map(|name| (name.clone(), fs::read_to_string(folder.join(name)).unwrap())).collect()
+}
+
+/// Every page of the book is in its summary, its commands run where the README's do, and its Rust examples are
+/// documentation tests.
+#[test]
+fn the_book_runs() {
+    let pages = pages();
+    // What the README shows too is run there.
+    let known = blocks("sh").concat();
+    let library = fs::read_to_string(root().join("src/lib.rs")).unwrap();
+    let mut commands = 0;
+    for (name, text) in &pages {
+        let folder = workplace();
+        let shell = blocks_of(text, "sh");
+        let stray = shell.iter().flat_map(|block| block.lines()).find(|line| !line.starts_with("formwork "));
+        assert_eq!(stray, None, "{name}: a line that is not run");
+        let new: Vec<String> = shell
+            .concat()
+            .lines()
+            .filter(|line| !known.lines().any(|same| same == *line))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        run_lines(&new, folder.path());
+        commands += shell.concat().lines().count();
+        let tested = library.contains(&format!("docs/src/{name}"));
+        assert_eq!(tested, text.contains("```rust"), "{name}: its Rust examples in src/lib.rs");
+        for language in text.split("\n```").skip(1).step_by(2).map(|rest| rest.lines().next().unwrap()) {
+            assert!(["sh", "rust", "text", "json"].contains(&language), "{name}: a block of `{language}`");
+        }
+        for link in text.split("](").skip(1).map(|rest| rest.split([')', '#']).next().unwrap()) {
+            let is_file =
+                link.is_empty() || link.starts_with("http") || root().join("docs/src").join(link).exists();
+            assert!(is_file, "{name} links to {link}, which is not there");
+        }
+    }
+    assert!(commands >= 30, "{commands} commands");
+    let written = fs::read_dir(root().join("docs/src")).unwrap();
+    let files = written.filter(|f| f.as_ref().unwrap().path().extension().is_some_and(|e| e == "md")).count();
+    assert_eq!(files, pages.len() + 1, "a page is not in SUMMARY.md");
+    for page in ["from-opensubdiv.md", "from-usd.md", "from-a-paper.md"] {
+        let (_, text) = pages.iter().find(|(name, _)| name == page).unwrap();
+        assert!(!blocks_of(text, "sh").is_empty(), "{page} ends in a running example");
+    }
 }
 
 #[test]

@@ -31,6 +31,7 @@ mod triangle;
 mod unsettled;
 mod vertex;
 
+pub(crate) use model::{block, dense};
 pub use patch::Jet;
 pub use surface::{
     BasisJets, BasisPoint, FaceCells, LimitSurface, PiecePoint, Pieces, PointError, QuadratureRule,

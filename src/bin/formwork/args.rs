@@ -1,5 +1,6 @@
 //! What can be typed. Parsed and range-checked here, settled in [`crate::job`].
 
+mod analysis;
 mod batch;
 mod design;
 mod help;
@@ -9,6 +10,7 @@ pub mod volume;
 
 use std::path::PathBuf;
 
+pub use analysis::{Basis, Cell, CharMap, Spectrum, Stencil, Valences, Vertex};
 pub use batch::Batch;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
@@ -67,6 +69,18 @@ pub enum Command {
     /// Solve a boundary value problem on finer and finer lattices: errors and their rates
     #[command(after_help = study::HELP)]
     Study(Study),
+    /// Eigenvalues of the operators round a vertex
+    #[command(after_help = analysis::SPECTRUM)]
+    Spectrum(Spectrum),
+    /// What a cell of the next level takes of the cells round a vertex
+    #[command(after_help = analysis::STENCIL)]
+    Stencil(Stencil),
+    /// The characteristic map of a vertex: a picture, and whether it looks injective
+    #[command(name = "charmap", after_help = analysis::CHARMAP)]
+    CharMap(CharMap),
+    /// Draw a basis form near a vertex
+    #[command(after_help = analysis::BASIS)]
+    Basis(Basis),
     /// Refine many assets, failures apart, and go on where the last run stopped
     #[command(after_help = batch::HELP)]
     Batch(Batch),
@@ -76,10 +90,24 @@ pub enum Command {
 }
 
 impl Command {
+    /// The options of a command on one vertex.
+    pub fn vertex(&self) -> Option<&Vertex> {
+        match self {
+            Command::Spectrum(args) => Some(&args.vertex),
+            Command::Stencil(args) => Some(&args.vertex),
+            Command::CharMap(args) => Some(&args.vertex),
+            Command::Basis(args) => Some(&args.vertex),
+            _ => None,
+        }
+    }
+
     /// The options of a command on one mesh.
     pub fn common(&self) -> Option<&Common> {
         Some(match self {
             Command::Batch(_) | Command::Study(_) | Command::Volume(_) => return None,
+            Command::Spectrum(_) | Command::Stencil(_) | Command::CharMap(_) | Command::Basis(_) => {
+                return None;
+            }
             Command::Inspect(args) => &args.common,
             Command::Subdivide(args) => &args.common,
             Command::Limit(args) => &args.common,
@@ -265,6 +293,17 @@ impl SchemeName {
             SchemeName::ModifiedLoop | SchemeName::Whitney => None,
         }
     }
+
+    /// The scheme with these weights.
+    pub fn with(self, doo_sabin: DooSabin, half_box: BoundaryRule) -> Scheme {
+        match self {
+            SchemeName::Catmark => Scheme::Catmark(doo_sabin),
+            SchemeName::Loop => Scheme::Loop(Variant::Loop, half_box),
+            SchemeName::ModifiedLoop => Scheme::Loop(Variant::ModifiedLoop, half_box),
+            SchemeName::Whitney => Scheme::Whitney,
+            SchemeName::Bilinear => Scheme::Bilinear,
+        }
+    }
 }
 
 impl Common {
@@ -278,13 +317,7 @@ impl Common {
             None if face_sizes.iter().all(|&size| size == 3) => SchemeName::Loop,
             None => SchemeName::Catmark,
         };
-        match self.scheme.unwrap_or(default) {
-            SchemeName::Catmark => Scheme::Catmark(self.doo_sabin),
-            SchemeName::Loop => Scheme::Loop(Variant::Loop, self.half_box),
-            SchemeName::ModifiedLoop => Scheme::Loop(Variant::ModifiedLoop, self.half_box),
-            SchemeName::Whitney => Scheme::Whitney,
-            SchemeName::Bilinear => Scheme::Bilinear,
-        }
+        self.scheme.unwrap_or(default).with(self.doo_sabin, self.half_box)
     }
 }
 

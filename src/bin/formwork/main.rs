@@ -4,6 +4,7 @@
 //! not hold, 1 some assets of a batch failed.
 
 mod args;
+mod draw;
 mod job;
 mod run;
 
@@ -41,6 +42,9 @@ fn main() -> ExitCode {
             let common = args.command.common();
             (common.json, common.quiet, LAW_BROKEN)
         }
+        (command, None) if command.vertex().is_some() => {
+            command.vertex().map_or((false, false, LAW_BROKEN), |v| (v.json, v.quiet, LAW_BROKEN))
+        }
         (_, common) => common.map_or((false, false, LAW_BROKEN), |c| (c.json, c.quiet, LAW_BROKEN)),
     };
     let outcome = match args.command {
@@ -56,6 +60,10 @@ fn main() -> ExitCode {
         Command::Decompose(args) => run::decompose::run(&args),
         Command::Streamlines(args) => run::streamlines::run(&args),
         Command::Study(args) => run::study::run(&args),
+        Command::Spectrum(args) => run::spectrum::run(&args),
+        Command::Stencil(args) => run::stencil::run(&args),
+        Command::CharMap(args) => run::charmap::run(&args),
+        Command::Basis(args) => run::basis::run(&args),
         Command::Batch(args) => run::batch::run(&args),
         Command::Volume(args) => run::volume::run(&args.command),
     };

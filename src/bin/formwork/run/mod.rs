@@ -1,6 +1,8 @@
 //! What the commands do, one module each. Every one returns an [`Outcome`]; `main` prints it.
 
+pub mod basis;
 pub mod batch;
+pub mod charmap;
 pub mod decompose;
 pub mod design;
 pub mod evaluate;
@@ -8,6 +10,8 @@ pub mod inspect;
 pub mod masses;
 pub mod operators;
 pub mod solve;
+pub mod spectrum;
+pub mod stencil;
 pub mod streamlines;
 pub mod study;
 pub mod subdivide;
