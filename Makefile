@@ -4,7 +4,7 @@ PREFIX = /usr/local
 .PHONY: help demo test bench lib install clean
 
 help:
-	@echo 'make demo    build, refine a creased cage with a 1-form on it, check d S = S d, draw it'
+	@echo 'make demo    build, refine a creased cage with a 1-form on it, check d S = S d, write a page and a picture of it'
 	@echo 'make test    every test: Rust, documentation, SciPy reader, examples, memory check'
 	@echo 'make bench   time building and applying the operators, against OpenSubdiv alone'
 	@echo 'make install PREFIX=/usr/local    the C++ API: headers, library, CMake package, pkg-config file'

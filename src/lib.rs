@@ -47,10 +47,12 @@
 //! and the surface, at points. On it, [`fem`] has the inner products of forms, and [`design`] decomposes fields and
 //! makes new ones.
 //!
+//! [`view`] shows all of it, as a page for a browser and as a picture.
+//!
 //! In space, [`octet`] does the same for 0-, 1-, 2- and 3-forms on tetrahedra and octahedra.
 //!
 //! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
-//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `fem`, `design`. `ARCHITECTURE.md` draws them.
+//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `fem`, `design`; `view`. `ARCHITECTURE.md` draws them.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
@@ -69,6 +71,7 @@ pub mod scheme;
 pub mod sparse;
 pub mod symbol;
 pub mod topology;
+pub mod view;
 
 /// The crate of the vectors in the public API, for callers to use in the same version.
 pub use nalgebra;

@@ -3,6 +3,7 @@
 mod batch;
 mod design;
 mod help;
+mod view;
 pub mod volume;
 
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ pub use batch::Batch;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
 pub use design::{Decompose, Design, METRICS, Streamlines};
+pub use view::{Layer, View};
 use formwork::io::Frames;
 use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
@@ -51,6 +53,9 @@ pub enum Command {
     /// Trace streamlines of a 1-form on the limit surface
     #[command(after_help = design::STREAMLINES)]
     Streamlines(Streamlines),
+    /// Look at a surface and the forms on it: a page for the browser, a picture
+    #[command(after_help = view::HELP)]
+    View(View),
     /// Measure that the operators commute with d, against OpenSubdiv itself
     #[command(after_help = help::VALIDATE)]
     Validate(Validate),
@@ -76,6 +81,7 @@ impl Command {
             Command::Design(args) => &args.common,
             Command::Decompose(args) => &args.common,
             Command::Streamlines(args) => &args.common,
+            Command::View(args) => &args.common,
         })
     }
 }

@@ -52,6 +52,7 @@ fn main() -> ExitCode {
         Command::Design(args) => run::design::run(&args),
         Command::Decompose(args) => run::decompose::run(&args),
         Command::Streamlines(args) => run::streamlines::run(&args),
+        Command::View(args) => run::view::run(&args),
         Command::Batch(args) => run::batch::run(&args),
         Command::Volume(args) => run::volume::run(&args.command),
     };

@@ -10,6 +10,7 @@ pub mod streamlines;
 pub mod subdivide;
 mod to_limit;
 pub mod validate;
+pub mod view;
 pub mod volume;
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
