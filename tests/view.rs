@@ -205,10 +205,11 @@ fn the_page_holds_the_view() {
     let shown = view(&asset, Scheme::default(), &fields, &few(2));
     let page = shown.page("</script> & {{data}}.obj");
     assert!(page.contains("<title>&lt;/script> &amp; {{data}}.obj"));
-    let without_licence = page.replace("http://www.w3.org/1999/xhtml", "");
-    for foreign in ["http://", "https://", "<link rel=\"stylesheet\"", " src=\"", "import(", "fetch("] {
-        let place = without_licence.find(foreign).filter(|_| foreign != "fetch(");
-        let around = place.map(|i| &without_licence[i.saturating_sub(60)..i + 60]);
+    // The name of a kind of element is an address that nobody looks up.
+    let without_names = page.replace("http://www.w3.org/1999/xhtml", "");
+    for foreign in ["http://", "https://", "<link rel=\"stylesheet\"", " src=\"", "import("] {
+        let place = without_names.find(foreign);
+        let around = place.map(|i| &without_names[i.saturating_sub(60)..i + 60]);
         assert!(around.is_none(), "{around:?}");
     }
     assert!(page.contains("Permission is hereby granted") && page.contains("default-src 'none'"));
@@ -341,7 +342,7 @@ fn a_page_lives_in_a_browser() {
     let folder = scratch();
     fs::copy(root().join("assets/creased_box.obj"), folder.path().join("box.obj")).unwrap();
     let page = folder.path().join("box.html");
-    let args = ["view", "box.obj", "--levels", "2", "--lines", "600", "-o", "box.html", "--field"];
+    let args = ["view", "box.obj", "--levels", "2", "--lines", "400", "-o", "box.html", "--field"];
     let field = root().join("assets/creased_box.field.json");
     succeed(folder.path(), &[&args[..], &[field.to_str().unwrap()]].concat());
     let steps = [
@@ -349,7 +350,7 @@ fn a_page_lives_in_a_browser() {
         "switch-strokes", "switch-arrows", "switch-zeros", "switch-creases", "switch-cage", "switch-mesh", "level",
         "key-level", "theme", "help",
     ];
-    for report in check_view(clients, &page) {
+    for report in check_view(clients, &page, "full") {
         healthy(&report, &steps);
         println!("{report}");
     }
@@ -364,7 +365,7 @@ fn broken(clients: &Path, folder: &Path, page: &str) {
     assert_ne!(blank, page);
     let path = folder.join("broken.html");
     fs::write(&path, blank).unwrap();
-    for report in check_view(clients, &path) {
+    for report in check_view(clients, &path, "brief") {
         assert_ne!(report["requests"], serde_json::json!([]));
         assert_ne!(report["errors"], serde_json::json!([]));
         assert!(report["covered"]["part"].as_f64().unwrap() < 0.01, "{report}");

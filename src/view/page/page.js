@@ -35,7 +35,6 @@
     document.body.append(trouble);
     return;
   }
-  renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
   renderer.setClearColor(0x000000, 0);
   const scene = new THREE.Scene();
   const camera = new THREE.PerspectiveCamera(26, 1, data.size * 0.01, data.size * 100);
@@ -153,7 +152,7 @@
   const cage = words(data.cage);
   if (cage.length) {
     layers.cage = lines(cage, new Uint8Array(cage.length / 6).fill(255), {
-      ink: { value: colourOf(data.colours.cage) }, alpha: { value: 0.6 }, width: { value: 0.0012 }, bias: { value: 0.004 },
+      ink: { value: colourOf(data.colours.cage) }, alpha: { value: 0.5 }, width: { value: 0.0012 }, bias: { value: 0.004 },
     }, 4);
   }
   const creases = words(data.creases.points);
@@ -289,8 +288,18 @@
     if (narrow()) return { left: 0, top: Math.max(56, find("scale").hidden ? 0 : scale.bottom), right: innerWidth, bottom: panel.top };
     return { left: 0, top: 0, right: panel.left, bottom: innerHeight };
   };
-  const resize = () => {
+  // Where frames take long, what moves is drawn with fewer pixels, and all of them once it stands still.
+  const sharpest = Math.min(devicePixelRatio || 1, 2);
+  let sharpness = 1, drawn = 0;
+  const sharpen = (part) => {
+    if (drawn === part) return;
+    drawn = part;
+    renderer.setPixelRatio(sharpest * part);
     renderer.setSize(innerWidth, innerHeight, false);
+  };
+  const resize = () => {
+    drawn = 0;
+    sharpen(1);
     camera.aspect = innerWidth / innerHeight;
     const free = frame();
     camera.setViewOffset(innerWidth, innerHeight, innerWidth / 2 - (free.left + free.right) / 2,
@@ -349,7 +358,7 @@
   };
 
   // ---- frames ------------------------------------------------------------------------------------------------------
-  let before = 0, first = true;
+  let before = 0, first = true, busy = 0, pace = 0;
   const draw = () => {
     const distance = camera.position.distanceTo(controls.target);
     camera.near = Math.max(distance - 2 * data.size, distance * 0.02, data.size * 1e-3);
@@ -359,17 +368,34 @@
   };
   const tick = (now) => {
     requestAnimationFrame(tick);
-    const since = Math.min(0.1, (now - before) / 1000);
+    const since = now - before;
     before = now;
     const flowing = layers.strokes?.visible && !state.paused && !document.hidden;
     if (flowing) {
       // Five seconds for a crossing at full speed.
-      flow.clock.value = (flow.clock.value + since / 5) % flow.period.value;
+      flow.clock.value = (flow.clock.value + Math.min(0.1, since / 1000) / 5) % flow.period.value;
       wanted = true;
     }
-    if (controls.enableDamping) controls.update();
-    if (!wanted) return;
+    if (controls.enableDamping) {
+      // Turning dies out as quickly where frames are few.
+      controls.dampingFactor = 1 - Math.pow(0.93, Math.min(since, 500) / 16.7);
+      controls.update();
+    }
+    if (!wanted) {
+      if (busy > 0 && drawn < 1) {
+        sharpen(1);
+        draw();
+      }
+      busy = 0;
+      return;
+    }
     wanted = false;
+    // The mean time from frame to frame, once several came in a row.
+    pace = busy < 3 ? 25 : pace + (since - pace) / 4;
+    busy++;
+    if (pace > 45 && sharpness > 0.45) [sharpness, busy] = [sharpness * 0.8, 1];
+    if (pace < 18 && sharpness < 1) [sharpness, busy] = [Math.min(1, sharpness / 0.8), 1];
+    sharpen(busy > 1 || flowing ? sharpness : 1);
     draw();
     root.dataset.frames = String(Number(root.dataset.frames ?? 0) + 1);
     if (first) {
@@ -380,6 +406,7 @@
 
   // A picture with its scale, as large as the window.
   const shoot = () => {
+    sharpen(1);
     draw();
     const out = document.createElement("canvas"), ratio = canvas.width / innerWidth, paper = out.getContext("2d");
     [out.width, out.height] = [canvas.width, canvas.height];

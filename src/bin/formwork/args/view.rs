@@ -43,7 +43,7 @@ Examples:
       -o box.html
   formwork view assets/torus.obj --spec assets/torus.design.json -o torus.html
   formwork view assets/genus2.obj --field assets/genus2.field.json \\
-      --show arrows,zeros --png genus2.png
+      --show arrows,zeros --png genus2.png --size 800x600
   formwork view assets/creased_box.obj --field assets/creased_box.field.json \\
       --form 2 --png curl.png --size 800x600";
 
