@@ -153,7 +153,13 @@ fn the_examples_in_the_help_run() {
             let args: Vec<String> = words
                 .iter()
                 .enumerate()
-                .map(|(i, word)| if i > 0 && ["-o", "--png"].contains(&words[i - 1]) { out(word) } else { (*word).to_owned() })
+                .map(|(i, word)| {
+                    if i > 0 && ["-o", "--png"].contains(&words[i - 1]) {
+                        out(word)
+                    } else {
+                        (*word).to_owned()
+                    }
+                })
                 .collect();
             // A batch writes where its manifest says: in a copy of the assets.
             let place = if words[0] == "batch" { copy_of_assets(folder.path()) } else { root.clone() };

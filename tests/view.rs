@@ -48,7 +48,8 @@ const LOOP: Scheme = Scheme::Loop(Variant::Loop, BoundaryRule::Reflect);
 /// two sides of a crease by the face that it is asked in.
 #[test]
 fn vertices_have_the_position_the_normal_and_the_vector_of_their_side() {
-    let meshes = [("torus.obj", Scheme::default()), ("creased_box.obj", Scheme::default()), ("gem.obj", LOOP)];
+    let meshes =
+        [("torus.obj", Scheme::default()), ("creased_box.obj", Scheme::default()), ("gem.obj", LOOP)];
     for (name, scheme) in meshes {
         let asset = asset(name);
         let fields = form1(random(edges(&asset, scheme), 7));
@@ -122,11 +123,10 @@ fn missing_forms_are_derived() {
     let height = Cochain::<0>::new(asset.positions.values().iter().map(|p| p.x + 0.3 * p.y * p.z).collect());
     let given = Fields { form0: Some(height.clone()), ..Fields::default() };
     let a = view(&asset, Scheme::default(), &given, &few(1));
-    assert_eq!(a.forms.each_ref().map(|f| f.as_ref().unwrap().name), [
-        "0-form",
-        "gradient of the 0-form",
-        "curl of the 1-form"
-    ]);
+    assert_eq!(
+        a.forms.each_ref().map(|f| f.as_ref().unwrap().name),
+        ["0-form", "gradient of the 0-form", "curl of the 1-form"]
+    );
     // From its gradient, the 0-form comes back but for a constant; neither has a curl.
     let slope = Fields { form1: Some(height.exterior_derivative(mesh)), ..Fields::default() };
     let b = view(&asset, Scheme::default(), &slope, &few(1));
@@ -161,7 +161,8 @@ fn strokes_and_arrows_follow_the_field() {
     for stroke in &shown.strokes {
         assert!(stroke.times.windows(2).all(|pair| pair[0] < pair[1]));
         for i in 1..stroke.points.len() {
-            let speed = (stroke.points[i] - stroke.points[i - 1]).norm() / (stroke.times[i] - stroke.times[i - 1]);
+            let speed =
+                (stroke.points[i] - stroke.points[i - 1]).norm() / (stroke.times[i] - stroke.times[i - 1]);
             let own = (stroke.speeds[i] + stroke.speeds[i - 1]) / 2.0;
             if own > 0.1 * fastest {
                 assert!((speed - own).abs() < 1e-9 * own, "{speed} {own}");
@@ -183,7 +184,9 @@ fn up_is_z() {
     let y = view(&asset, LOOP, &Fields::default(), &Options { up: Up::Y, ..few(1) });
     for (a, b) in z.levels[1].vertices.iter().zip(&y.levels[1].vertices) {
         let turned = |p: Vec3| Vec3::new(p.x, -p.z, p.y);
-        assert!((turned(a.position) - b.position).norm() < 1e-14 && (turned(a.normal) - b.normal).norm() < 1e-12);
+        assert!(
+            (turned(a.position) - b.position).norm() < 1e-14 && (turned(a.normal) - b.normal).norm() < 1e-12
+        );
     }
 }
 
@@ -220,7 +223,10 @@ fn the_page_holds_the_view() {
     for (level, packed) in shown.levels.iter().zip(data["levels"].as_array().unwrap()) {
         let indices: Vec<u32> = words(&packed["indices"]).into_iter().map(u32::from).collect();
         assert_eq!(indices, level.face_vertices);
-        assert_eq!(packed["size"].is_null(), level.face_sizes.iter().any(|&size| size != level.face_sizes[0]));
+        assert_eq!(
+            packed["size"].is_null(),
+            level.face_sizes.iter().any(|&size| size != level.face_sizes[0])
+        );
         let (positions, normals) = (words(&packed["positions"]), words(&packed["normals"]));
         assert_eq!(positions.len(), 3 * level.vertices.len());
         for (v, vertex) in level.vertices.iter().enumerate() {
@@ -246,7 +252,8 @@ fn the_page_holds_the_view() {
 fn a_page_is_small() {
     let folder = scratch();
     let page = folder.path().join("page.html");
-    let args = ["view", "assets/genus2.obj", "--field", "assets/genus2.field.json", "--levels", "4", "--json", "-o"];
+    let args =
+        ["view", "assets/genus2.obj", "--field", "assets/genus2.field.json", "--levels", "4", "--json", "-o"];
     let report = object(root(), &[&args[..], &[page.to_str().unwrap()]].concat());
     assert!(report["vertices"].as_u64().unwrap() >= 10_000, "{report}");
     assert_eq!(report["strokes"].as_u64(), Some(1400));
@@ -268,9 +275,8 @@ fn a_picture_shows_what_is_asked_for_and_is_the_same_on_any_number_of_threads() 
     assert_eq!(pool(3).install(|| painted(&shown)), all);
     assert_eq!((all.width, all.height, all.pixels.len()), (320, 240, 320 * 240));
 
-    let red = |picture: &Picture| {
-        picture.pixels.iter().filter(|[r, g, b]| *r > 150 && *g < 90 && *b < 90).count()
-    };
+    let red =
+        |picture: &Picture| picture.pixels.iter().filter(|[r, g, b]| *r > 150 && *g < 90 && *b < 90).count();
     let differ = |a: &Picture, b: &Picture| a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count();
     shown.layers = Layers { creases: true, ..Layers::NONE };
     let creases = painted(&shown);
@@ -321,7 +327,8 @@ fn healthy(report: &Value, expect: &[&str]) {
     assert_eq!(report["requests"], serde_json::json!([]), "{name}");
     assert!(report["covered"]["part"].as_f64().unwrap() > 0.15, "{report}");
     assert!(report["covered"]["colours"].as_u64().unwrap() > 200, "{report}");
-    let changed = |step: &str| report["changed"][step].as_f64().unwrap_or_else(|| panic!("no {step} in {report}"));
+    let changed =
+        |step: &str| report["changed"][step].as_f64().unwrap_or_else(|| panic!("no {step} in {report}"));
     for step in expect {
         assert!(changed(step) > 0.0004, "{name}: {step} changed {} of the picture", changed(step));
     }
@@ -346,9 +353,26 @@ fn a_page_lives_in_a_browser() {
     let field = root().join("assets/creased_box.field.json");
     succeed(folder.path(), &[&args[..], &[field.to_str().unwrap()]].concat());
     let steps = [
-        "flowing", "key-space", "drag", "key-arrow", "key-plus", "key-reset", "form-2", "form-0", "form-none", "form-1",
-        "switch-strokes", "switch-arrows", "switch-zeros", "switch-creases", "switch-cage", "switch-mesh", "level",
-        "key-level", "theme", "help",
+        "flowing",
+        "key-space",
+        "drag",
+        "key-arrow",
+        "key-plus",
+        "key-reset",
+        "form-2",
+        "form-0",
+        "form-none",
+        "form-1",
+        "switch-strokes",
+        "switch-arrows",
+        "switch-zeros",
+        "switch-creases",
+        "switch-cage",
+        "switch-mesh",
+        "level",
+        "key-level",
+        "theme",
+        "help",
     ];
     for report in check_view(clients, &page, "full") {
         healthy(&report, &steps);

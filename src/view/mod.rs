@@ -291,7 +291,7 @@ fn shown(degree: usize, given: &[bool; 3], levels: &[Level]) -> Shown {
     // A form that is 0 has a scale too; what is left of one by rounding is 0.
     let largest = levels.iter().flat_map(|level| &level.vertices).flat_map(|vertex| vertex.values);
     let noise = 1e-12 * largest.fold(0.0, |a: f64, b| a.max(b.abs()));
-    let large = if large > noise { large } else { 1.0 };
+    let (large, range) = if large > noise || degree == 0 { (large, range) } else { (1.0, [0.0; 2]) };
     let (name, unit, scale, ramp) = match degree {
         0 if given[0] => ("0-form", "", range, Ramp::Height),
         0 => ("potential of the exact part", "", range, Ramp::Height),

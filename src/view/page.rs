@@ -93,7 +93,9 @@ impl View {
         let uniform = sizes.iter().all(|&size| size == sizes[0]).then(|| sizes[0]);
         let wide = level.vertices.len() > usize::from(u16::MAX);
         let indices = match wide {
-            true => STANDARD.encode(level.face_vertices.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>()),
+            true => {
+                STANDARD.encode(level.face_vertices.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
+            }
             false => words(level.face_vertices.iter().map(|&v| v as u16)),
         };
         let values = [0, 1, 2].map(|degree| {

@@ -135,8 +135,11 @@ impl View {
             canvas.ink(&ribbons, 0.006, if over { 0.35 } else { 1.0 });
         }
         if layers.arrows {
-            let arrows: Vec<Triangle<3>> =
-                self.arrows.iter().flat_map(|arrow| self.arrow(canvas, arrow, ink(arrow.vector.norm()))).collect();
+            let arrows: Vec<Triangle<3>> = self
+                .arrows
+                .iter()
+                .flat_map(|arrow| self.arrow(canvas, arrow, ink(arrow.vector.norm())))
+                .collect();
             canvas.ink(&arrows, 0.006, 1.0);
         }
         if layers.creases {
@@ -149,9 +152,10 @@ impl View {
             // A long line leaves the distance that its ends have.
             let pieces = 32;
             let part = |[a, b]: [Vec3; 2], i: i32| a + (b - a) * (f64::from(i) / f64::from(pieces));
-            let ribbons = self.cage.iter().flat_map(|&ends| {
-                (0..pieces).flat_map(move |i| [(part(ends, i), part(ends, i + 1))])
-            });
+            let ribbons = self
+                .cage
+                .iter()
+                .flat_map(|&ends| (0..pieces).flat_map(move |i| [(part(ends, i), part(ends, i + 1))]));
             let ribbons: Vec<Triangle<3>> = ribbons
                 .flat_map(|(a, b)| canvas.ribbon([a, b], [0.0012 * size; 2], [colour::CAGE; 2]))
                 .collect();

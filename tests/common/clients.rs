@@ -22,7 +22,9 @@ pub fn clients() -> Option<&'static Path> {
         }
     });
     if folder.is_none() {
-        eprintln!("skipped: PyPI or npm cannot be reached, so usd-core, Dask, gltf-validator and playwright-core are missing");
+        eprintln!(
+            "skipped: PyPI or npm cannot be reached, so usd-core, Dask, gltf-validator and playwright-core are missing"
+        );
     }
     folder.as_deref()
 }

@@ -12,11 +12,11 @@ pub use batch::Batch;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand, value_parser};
 pub use design::{Decompose, Design, METRICS, Streamlines};
-pub use view::{Layer, View};
 use formwork::io::Frames;
 use formwork::osd::OsdScheme;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
+pub use view::{Layer, View};
 
 /// Smooth differential forms on OpenSubdiv surfaces: values on vertices, oriented edges and faces, refined
 /// so that d S = S d exactly.

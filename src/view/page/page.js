@@ -133,20 +133,46 @@
     return entry;
   };
 
-  // Bands, strip by strip: each instance is a quad whose corners are (end, side).
-  const quad = (geometry) => {
-    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array([0, -1, 0, 1, -1, 0, 1, 1, 0, 0, 1, 0]), 3));
-    geometry.setIndex([0, 1, 2, 0, 2, 3]);
+  // Bands along lines: two vertices a point, one on either side. (Not an instance a segment: software drivers draw
+  // instances one by one.) A point is `stride` numbers, its place first; `ends` says where lines end.
+  const bands = (points, stride, ends) => {
+    const count = points.length / stride, place = new Uint16Array(6 * count), along = new Int16Array(6 * count);
+    const side = new Int8Array(2 * count), index = new Uint32Array(6 * count);
+    const box = extent.toArray();
+    let used = 0;
+    for (let i = 0; i < count; i++) {
+      const next = ends(i) ? i : i + 1, last = i === 0 || ends(i - 1) ? i : i - 1;
+      const way = box.map((length, k) => length * (points[stride * next + k] - points[stride * last + k]));
+      const long = Math.hypot(...way) || 1;
+      for (let k = 0; k < 3; k++) {
+        place[6 * i + k] = place[6 * i + 3 + k] = points[stride * i + k];
+        along[6 * i + k] = along[6 * i + 3 + k] = Math.round((32767 * way[k]) / long);
+      }
+      [side[2 * i], side[2 * i + 1]] = [-127, 127];
+      if (next !== i) {
+        index.set([2 * i, 2 * i + 1, 2 * i + 3, 2 * i, 2 * i + 3, 2 * i + 2], used);
+        used += 6;
+      }
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(place, 3, true));
+    geometry.setAttribute("along", new THREE.BufferAttribute(along, 3, true));
+    geometry.setAttribute("side", new THREE.BufferAttribute(side, 1, true));
+    geometry.setIndex(new THREE.BufferAttribute(index.subarray(0, used), 1));
     return geometry;
   };
+  // Lines of one segment each, with their opacities.
   const lines = (points, strengths, uniforms, order) => {
-    const geometry = quad(new THREE.InstancedBufferGeometry());
-    const buffer = new THREE.InstancedInterleavedBuffer(points, 6);
-    geometry.setAttribute("a", new THREE.InterleavedBufferAttribute(buffer, 3, 0, true));
-    geometry.setAttribute("b", new THREE.InterleavedBufferAttribute(buffer, 3, 3, true));
-    geometry.setAttribute("strength", new THREE.InstancedBufferAttribute(strengths, 1, true));
-    geometry.instanceCount = points.length / 6;
+    const geometry = bands(points, 3, (i) => i % 2 === 1);
+    const each = new Uint8Array((points.length / 3) * 2);
+    for (let i = 0; i < each.length; i++) each[i] = strengths[i >> 2];
+    geometry.setAttribute("strength", new THREE.BufferAttribute(each, 1, true));
     return add(new THREE.Mesh(geometry, material(SHADERS.line, uniforms, ink)), order);
+  };
+  const square = (geometry) => {
+    geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]), 3));
+    geometry.setIndex([0, 1, 2, 0, 2, 3]);
+    return geometry;
   };
   const layers = {};
   const cage = words(data.cage);
@@ -165,18 +191,18 @@
   const flow = { clock: { value: 0 }, period: { value: 0.22 }, still: { value: calm.matches } };
   const points = words(data.strokes.points);
   if (points.length && ramps[1]) {
-    const geometry = quad(new THREE.InstancedBufferGeometry());
-    const buffer = new THREE.InstancedInterleavedBuffer(points, 6);
-    for (const [name, offset] of [["a", 0], ["fromInfo", 3], ["b", 6], ["toInfo", 9]]) {
-      geometry.setAttribute(name, new THREE.InterleavedBufferAttribute(buffer, 3, offset, true));
-    }
-    const total = points.length / 6, lasting = words(data.strokes.lasting), each = new Uint16Array(total);
+    const total = points.length / 6, lasting = words(data.strokes.lasting), info = new Uint16Array(8 * total);
+    const number = (i) => points[6 * i + 5], ends = (i) => i + 1 === total || number(i) !== number(i + 1);
+    const geometry = bands(points, 6, ends);
     for (let i = 0, line = 0; i < total; i++) {
-      if (i > 0 && points[6 * i + 5] !== points[6 * i - 1]) line++;
-      each[i] = lasting[line];
+      // Phases without a pattern: parts of the golden ratio.
+      const phase = Math.floor(65536 * ((line * 0.6180339887) % 1));
+      const own = [points[6 * i + 3], points[6 * i + 4], phase, lasting[line]];
+      info.set(own, 8 * i);
+      info.set(own, 8 * i + 4);
+      if (ends(i)) line++;
     }
-    geometry.setAttribute("lasting", new THREE.InstancedBufferAttribute(each, 1, true));
-    geometry.instanceCount = total - 1;
+    geometry.setAttribute("info", new THREE.BufferAttribute(info, 4, true));
     const uniforms = { ...ramps[1], ...flow, over, duration: { value: data.strokes.duration }, width: { value: 0.0045 } };
     layers.strokes = add(new THREE.Mesh(geometry, material(SHADERS.stroke, uniforms, ink)), 2);
   }
@@ -194,8 +220,7 @@
     layers.arrows = add(new THREE.Mesh(geometry, material(SHADERS.arrow, uniforms, ink)), 5);
   }
   if (data.zeros.length) {
-    const geometry = quad(new THREE.InstancedBufferGeometry());
-    geometry.getAttribute("position").array.set([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0]);
+    const geometry = square(new THREE.InstancedBufferGeometry());
     const fills = data.zeros.flatMap((zero) => data.colours.zeros[zero.index > 0 ? 0 : 1]);
     geometry.setAttribute("at", new THREE.InstancedBufferAttribute(new Float32Array(data.zeros.flatMap((zero) => zero.at)), 3));
     geometry.setAttribute("fill", new THREE.InstancedBufferAttribute(new Float32Array(fills), 3));
@@ -209,16 +234,23 @@
   const redraw = () => { wanted = true; };
   const say = (text) => { find("status").textContent = text; };
 
+  // The surface at a level, in the colours of the degree.
+  let revealed = 0;
+  const reveal = (number) => {
+    const current = level(number);
+    if (surfaceUniforms.coloured.value) current.geometry.setAttribute("value", current.values[state.degree]);
+    unpacked.forEach((entry, other) => { entry.surface.visible = other === number; });
+    revealed = number;
+  };
   const show = () => {
     const { degree } = state, form = degree === null ? null : data.forms[degree], current = level(state.level);
     unpacked.forEach((entry, number) => {
-      entry.surface.visible = number === state.level;
       if (state.layers.mesh && number === state.level) entry.mesh();
       if (entry.hasMesh()) entry.mesh().visible = state.layers.mesh && number === state.level;
     });
     surfaceUniforms.coloured.value = degree === 0 || degree === 2;
+    reveal(state.level);
     if (surfaceUniforms.coloured.value) {
-      current.geometry.setAttribute("value", current.values[degree]);
       surfaceUniforms.bands.value = form.bands;
       surfaceUniforms.ramp.value = ramps[degree].ramp.value;
       surfaceUniforms.scale.value.copy(ramps[degree].scale.value);
@@ -288,9 +320,16 @@
     if (narrow()) return { left: 0, top: Math.max(56, find("scale").hidden ? 0 : scale.bottom), right: innerWidth, bottom: panel.top };
     return { left: 0, top: 0, right: panel.left, bottom: innerHeight };
   };
-  // Where frames take long, what moves is drawn with fewer pixels, and all of them once it stands still.
+  // Where frames take long, what moves is drawn with fewer pixels and then from a coarser level, and as it is once it
+  // stands still.
   const sharpest = Math.min(devicePixelRatio || 1, 2);
-  let sharpness = 1, drawn = 0;
+  let sharpness = 1, drawn = 0, coarser = 0;
+  const lighter = () => {
+    let number = state.level;
+    // Below some thousand vertices it would show.
+    for (let i = 0; i < coarser && number > 0 && data.levels[number - 1].vertices >= 4000; i++) number--;
+    return state.layers.mesh ? state.level : number;
+  };
   const sharpen = (part) => {
     if (drawn === part) return;
     drawn = part;
@@ -382,8 +421,9 @@
       controls.update();
     }
     if (!wanted) {
-      if (busy > 0 && drawn < 1) {
+      if (busy > 0 && (drawn < 1 || revealed !== state.level)) {
         sharpen(1);
+        reveal(state.level);
         draw();
       }
       busy = 0;
@@ -393,9 +433,19 @@
     // The mean time from frame to frame, once several came in a row.
     pace = busy < 3 ? 25 : pace + (since - pace) / 4;
     busy++;
-    if (pace > 45 && sharpness > 0.45) [sharpness, busy] = [sharpness * 0.8, 1];
-    if (pace < 18 && sharpness < 1) [sharpness, busy] = [Math.min(1, sharpness / 0.8), 1];
-    sharpen(busy > 1 || flowing ? sharpness : 1);
+    if (pace > 45 && busy > 3) {
+      if (sharpness > 0.55) sharpness *= 0.75;
+      else coarser = Math.min(coarser + 1, 4);
+      busy = 1;
+    } else if (pace < 20 && busy > 10) {
+      if (coarser > 0) coarser--;
+      else sharpness = Math.min(1, sharpness / 0.75);
+      busy = 1;
+    }
+    const light = busy > 1 || flowing || drawn < 1;
+    sharpen(light ? sharpness : 1);
+    const detail = light ? lighter() : state.level;
+    if (detail !== revealed) reveal(detail);
     draw();
     root.dataset.frames = String(Number(root.dataset.frames ?? 0) + 1);
     if (first) {

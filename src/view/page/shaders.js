@@ -11,15 +11,16 @@ const SHADERS = (() => {
     vec4 inked(vec3 p, float bias) {
       return projectionMatrix * viewMatrix * vec4(mix(p, cameraPosition, bias), 1.0);
     }`;
-  // A band from a to b, turned to the eye.
+  // The edge of a band along a direction, turned to the eye.
   const ribbon = `
-    vec3 ribbon(vec3 a, vec3 b, vec2 corner, float width) {
-      vec3 p = mix(a, b, corner.x);
-      vec3 side = cross(b - a, cameraPosition - p);
-      float length_ = length(side);
+    attribute vec3 along;
+    attribute float side;
+    vec3 ribbon(vec3 p, float width) {
+      vec3 across = cross(along, cameraPosition - p);
+      float length_ = length(across);
       if (length_ < 1e-20) return p;
       float least = pixel * distance(cameraPosition, p);
-      return p + side / length_ * corner.y * 0.5 * max(width, least);
+      return p + across / length_ * side * 0.5 * max(width, least);
     }`;
   const ramp = `
     uniform sampler2D ramp;
@@ -71,13 +72,12 @@ const SHADERS = (() => {
   // The cage and the creases.
   const line = {
     vertexShader: common + ribbon + `
-      attribute vec3 a, b;
       attribute float strength;
       uniform float width, bias;
       varying float opacity;
       void main() {
         opacity = strength;
-        gl_Position = inked(ribbon(place(a), place(b), position.xy, width * size), bias);
+        gl_Position = inked(ribbon(place(position), width * size), bias);
       }`,
     fragmentShader: `
       uniform vec3 ink;
@@ -89,21 +89,17 @@ const SHADERS = (() => {
   // Times are in crossings of the surface at full speed.
   const stroke = {
     vertexShader: common + ribbon + `
-      attribute vec3 a, b, fromInfo, toInfo; // infos: time, speed, number
-      attribute float lasting;
+      attribute vec4 info; // time, speed, phase, how long its line lasts
       uniform float duration, width;
       uniform bool over;
       varying float time, last, speed, across, phase;
       void main() {
-        float end = position.x;
-        time = mix(fromInfo.x, toInfo.x, end) * duration;
-        last = lasting * duration;
-        speed = mix(fromInfo.y, toInfo.y, end);
-        across = position.y;
-        phase = fract(sin(fromInfo.z * 65535.0 * 12.9898) * 437.5453);
-        vec3 p = ribbon(place(a), place(b), position.xy, width * size * (over ? 0.5 : 1.0));
-        gl_Position = inked(p, 0.0025);
-        if (fromInfo.z != toInfo.z) gl_Position = vec4(2.0, 2.0, 2.0, 1.0); // from one line to the next
+        time = info.x * duration;
+        speed = info.y;
+        phase = info.z;
+        last = info.w * duration;
+        across = side;
+        gl_Position = inked(ribbon(place(position), width * size * (over ? 0.5 : 1.0)), 0.0025);
       }`,
     fragmentShader: ramp + `
       uniform float clock, period;

@@ -98,5 +98,7 @@ fn size(typed: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| text.parse::<u32>().ok().filter(|side| (16..=16_384).contains(side));
     let sides = typed.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
     let fits = |[width, height]: &[u32; 2]| u64::from(*width) * u64::from(*height) <= 1 << 24;
-    sides.filter(fits).ok_or_else(|| "write two numbers from 16 on, as 1400x1000, 16 million pixels at most".to_owned())
+    sides
+        .filter(fits)
+        .ok_or_else(|| "write two numbers from 16 on, as 1400x1000, 16 million pixels at most".to_owned())
 }

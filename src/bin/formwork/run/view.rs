@@ -113,8 +113,7 @@ fn designed(
     spec.balance = balance;
     let of_spec = |error: formwork::design::DesignError| format!("{}: {error}", path.display());
     let surface = LimitSurface::new(&job.cage, job.scheme)?;
-    let hodge =
-        Hodge::new(&surface, &job.asset.positions, Metric::Limit, &conditions).map_err(of_spec)?;
+    let hodge = Hodge::new(&surface, &job.asset.positions, Metric::Limit, &conditions).map_err(of_spec)?;
     let field = hodge.design(&spec).map_err(of_spec)?.cochain;
     let potential = hodge.decompose(&field).potential;
     Ok((field, potential))
