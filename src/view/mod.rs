@@ -125,6 +125,9 @@ pub struct Shown {
     pub ramp: Ramp,
 }
 
+/// A piece of a crease: its ends, and the sharpness of the cage's edge that it comes from.
+pub type Crease = ([Vector3<f64>; 2], f32);
+
 /// Everything that is shown of a surface.
 #[derive(Clone, Debug)]
 pub struct View {
@@ -139,7 +142,7 @@ pub struct View {
     /// The edges of the control cage.
     pub cage: Vec<[Vector3<f64>; 2]>,
     /// The creases on the limit surface, edge by edge of the finest level, with the sharpness of the cage's edge.
-    pub creases: Vec<([Vector3<f64>; 2], f32)>,
+    pub creases: Vec<Crease>,
     /// Lines along the field.
     pub strokes: Vec<Stroke>,
     /// Tangent vectors of the field.
@@ -305,10 +308,7 @@ fn shown(degree: usize, given: &[bool; 3], levels: &[Level]) -> Shown {
 }
 
 /// The descendants of the cage's sharp edges on the finest level, in the limit.
-fn creases(
-    hierarchy: &Hierarchy,
-    positions: &Positions,
-) -> Result<Vec<([Vector3<f64>; 2], f32)>, HierarchyError> {
+fn creases(hierarchy: &Hierarchy, positions: &Positions) -> Result<Vec<Crease>, HierarchyError> {
     let cage = hierarchy.level(0).mesh();
     let sharpness = (0..).zip(hierarchy.level(0).tags().edge_sharpness.iter().copied());
     let is_crease = |&(e, sharpness): &(u32, f32)| sharpness > 0.0 && !cage.is_boundary_edge(e);

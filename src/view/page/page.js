@@ -434,7 +434,7 @@
     pace = busy < 3 ? 25 : pace + (since - pace) / 4;
     busy++;
     if (pace > 45 && busy > 3) {
-      if (sharpness > 0.55) sharpness *= 0.75;
+      if (sharpness > 0.6) sharpness *= 0.75;
       else coarser = Math.min(coarser + 1, 4);
       busy = 1;
     } else if (pace < 20 && busy > 10) {
