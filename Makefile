@@ -4,7 +4,7 @@ PREFIX = /usr/local
 .PHONY: help demo figures test bench lib install clean
 
 help:
-	@echo 'make demo    build, refine a creased cage with a 1-form on it, check d S = S d, draw it'
+	@echo 'make demo    build, refine a creased cage with a 1-form on it, check d S = S d, write a page and a picture of it'
 	@echo 'make figures draw characteristic maps and basis forms, and put them on one page, figures/index.html'
 	@echo 'make test    every test: Rust, documentation, SciPy reader, examples, memory check'
 	@echo 'make bench   time building and applying the operators, against OpenSubdiv alone'

@@ -6,21 +6,20 @@
 //! cargo run --release --example 03_design -- [FOLDER [tetrahedron|torus|head|genus2]]
 //! ```
 
-mod painter;
-
 use std::error::Error;
 use std::path::Path;
 
 use formwork::cochain::Cochain;
-use formwork::design::{Condition, Hodge, Metric, Place, Source, Spec, Tracing, VectorAt, Vortex};
-use formwork::design::{seeds, singularities, streamlines};
-use formwork::hierarchy::Hierarchy;
+use formwork::design::{Condition, Hodge, Metric, Place, Source, Spec, VectorAt, Vortex, singularities};
+use formwork::io::fields::Fields;
 use formwork::io::{self, LoadOptions};
-use formwork::limit::{Limit, LimitSurface, SurfacePoint};
+use formwork::limit::{LimitSurface, SurfacePoint};
+use formwork::nalgebra::Vector3;
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
 use formwork::topology::{Cage, Descriptor};
-use painter::{Camera, LIGHT, SHADOW, SURFACE, Scene, Vec3, brightness, color, speed_color};
+use formwork::view::{Layers, Options, View};
 
+type Vec3 = Vector3<f64>;
 type Positions = Cochain<0, Vec3>;
 
 /// A cage, what its field shall have, and how its boundary is met.
@@ -195,63 +194,18 @@ fn draw(figure: &Figure, out: &Path) -> Result<(), Box<dyn Error>> {
     let hodge = Hodge::new(&surface, &figure.positions, Metric::Limit, &figure.conditions)?;
     let field = hodge.design(&figure.spec)?.cochain;
     let zeros = singularities(&surface, &figure.positions, &field, 3)?;
-    let hierarchy =
-        Hierarchy::new(&figure.cage, figure.scheme, if figure.name == "tetrahedron" { 6 } else { 4 })?;
-    let mesh = hierarchy.finest().mesh();
-    let limit = Limit::new(&hierarchy, hierarchy.num_levels())?;
-    let points = limit.apply(mesh, &hierarchy.subdivide(&figure.positions)).into_values();
-
-    let camera = Camera::facing(&points);
-    let (size, eye) = (camera.size, camera.eye());
-    let mut scene = Scene::new(camera);
-    let ground = points.iter().map(|p| p.z).fold(f64::MAX, f64::min);
-    for f in 0..mesh.num_faces() as u32 {
-        let corners: Vec<Vec3> = mesh.face_vertices(f).iter().map(|&v| points[v as usize]).collect();
-        let normal = (corners[2] - corners[0]).cross(&(corners[corners.len() - 1] - corners[1]));
-        let normal = normal.try_normalize(0.0).unwrap_or(Vec3::z());
-        let towards_eye = eye - corners[0];
-        // The inside, where a hole shows it, is darker.
-        let shade = if normal.dot(&towards_eye) < 0.0 { 0.6 } else { 1.0 };
-        scene.polygon(&corners, 0.0, color(SURFACE, shade * brightness(normal, towards_eye), 1.0), false);
-        let shadow: Vec<Vec3> = corners.iter().map(|p| p - LIGHT * ((p.z - ground) / LIGHT.z)).collect();
-        scene.polygon(&shadow, -1e3 * size, color(SHADOW, 1.0, 1.0), false);
-    }
-
-    let (count, length) = figure.lines;
-    let starts = seeds(&surface, &figure.positions, count);
-    let tracing = Tracing { step: 0.004 * size, length: length * size, both_ways: true, least: 1e-4 };
-    let lines = streamlines(&surface, &figure.positions, &field, &starts, &tracing)?;
-    let form = surface.refine(&field);
-    let at_seeds = surface.evaluate_vectors(hodge.positions(), &form, &starts)?;
-    let mut speeds: Vec<f64> = at_seeds.iter().map(|v| v.vector.norm()).filter(|x| x.is_finite()).collect();
-    speeds.sort_by(f64::total_cmp);
-    let fast = speeds[speeds.len() * 95 / 100];
-    for (line, start) in lines.iter().zip(&at_seeds) {
-        let n = line.positions.len().max(2) - 1;
-        let ink = color(speed_color((start.vector.norm() / fast).sqrt()), 1.0, 1.0);
-        let [a, b] = start.position.derivatives;
-        if a.cross(&b).dot(&(eye - start.position.value)) < 0.0 {
-            continue;
-        }
-        for (i, ends) in line.positions.windows(2).enumerate() {
-            let width = |i: usize| {
-                let t = i as f64 / n as f64;
-                0.0042 * size * t * (1.0 - t.powi(8))
-            };
-            scene.stroke([ends[0], ends[1]], [width(i), width(i + 1)], 0.012 * size, ink);
-        }
-    }
-    for zero in &zeros.zeros {
-        let ink = if zero.index > 0 { [0.80, 0.15, 0.12] } else { [0.12, 0.25, 0.65] };
-        let [p, e] = [zero.position, (eye - zero.position).normalize()];
-        let (u, v) = (e.cross(&Vec3::z()).normalize(), e.cross(&e.cross(&Vec3::z())).normalize());
-        let disc = |k: usize| {
-            let angle = std::f64::consts::TAU * k as f64 / 24.0;
-            p + (u * angle.cos() + v * angle.sin()) * (0.009 * size)
-        };
-        scene.polygon(&(0..24).map(disc).collect::<Vec<_>>(), 0.02 * size, color(ink, 1.0, 1.0), true);
-    }
-    scene.paint()?.save_png(out)?;
+    let (lines, length) = figure.lines;
+    let options = Options {
+        levels: if figure.name == "tetrahedron" { 6 } else { 4 },
+        lines,
+        length,
+        layers: Layers { cage: false, ..Layers::default() },
+        potential: Some(hodge.decompose(&field).potential),
+        ..Options::default()
+    };
+    let fields = Fields { form1: Some(field), ..Fields::default() };
+    let view = View::new(&figure.cage, figure.scheme, &figure.positions, &fields, &options)?;
+    std::fs::write(out, view.picture([1400, 1000])?.encode_png()?)?;
     println!(
         "{}: {} harmonic fields, {} zeros, indices {} = Euler {} + boundary {}",
         out.display(),

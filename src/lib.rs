@@ -48,11 +48,13 @@
 //! makes new ones.
 //!
 //! [`analysis`] has the spectra of a scheme at a vertex, and characteristic maps.
+//! [`view`] shows all of it, as a page for a browser and as a picture.
 //!
 //! In space, [`octet`] does the same for 0-, 1-, 2- and 3-forms on tetrahedra and octahedra.
 //!
 //! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
-//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `analysis`, `fem`, `design`. `ARCHITECTURE.md` draws them.
+//! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `analysis`, `fem`, `design`; `view`. `ARCHITECTURE.md` draws
+//! them.
 
 #![deny(unsafe_code)]
 #![warn(missing_docs)]
@@ -72,6 +74,7 @@ pub mod scheme;
 pub mod sparse;
 pub mod symbol;
 pub mod topology;
+pub mod view;
 
 /// The crate of the vectors in the public API, for callers to use in the same version.
 pub use nalgebra;

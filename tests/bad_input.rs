@@ -349,3 +349,44 @@ fn what_does_not_fit() {
         );
     }
 }
+
+#[test]
+fn what_cannot_be_shown() {
+    let cube: &[(&str, &[u8])] = &[("cube.obj", CUBE.as_bytes())];
+    refused(cube, &["view", "cube.obj"], &["--output", "--png"]);
+    refused(cube, &["view", "cube.obj", "-o", "cube.htm"], &["cube.htm", ".htm", "choose .html"]);
+    refused(cube, &["view", "cube.obj", "--png", "cube.jpg"], &["cube.jpg", "choose .png"]);
+    refused(cube, &["view", "cube.obj", "--png", "folder/none/cube.png"], &["folder/none/cube.png"]);
+    refused(
+        cube,
+        &["view", "cube.obj", "-o", "c.html", "--form", "1"],
+        &["cube.obj", "no 1-form", "give one"],
+    );
+    refused(cube, &["view", "cube.obj", "-o", "c.html", "--form", "3"], &["3", "--form"]);
+    refused(cube, &["view", "cube.obj", "-o", "c.html", "--show", "hair"], &["hair", "strokes"]);
+    refused(cube, &["view", "cube.obj", "-o", "c.html", "--levels", "14"], &["cube.obj"]);
+    for size in ["800", "0x10", "800x", "-1x20", "5000x5000", "99999999999x16"] {
+        let size = format!("--size={size}");
+        refused(cube, &["view", "cube.obj", "--png", "c.png", &size], &["--size", "1400x1000"]);
+    }
+    refused(cube, &["view", "cube.obj", "-o", "c.html", "--balance"], &["--spec"]);
+    refused(cube, &["view", "cube.obj", "-o", "c.html", "--spec", "none.json"], &["none.json"]);
+    refused(
+        cube,
+        &["view", "cube.obj", "-o", "c.html", "--field", "a", "--spec", "b"],
+        &["--field", "--spec"],
+    );
+    let spec: &[(&str, &[u8])] =
+        &[("cube.obj", CUBE.as_bytes()), ("s.json", b"{\"vortices\": [{\"face\": 2, \"strength\": 1}]}")];
+    refused(
+        spec,
+        &["view", "cube.obj", "-o", "c.html", "--spec", "s.json"],
+        &["s.json", "vortices", "balance"],
+    );
+    let hole: &[(&str, &[u8])] =
+        &[("hole.obj", b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\nt hole 1/0/0 0\n")];
+    refused(hole, &["view", "hole.obj", "-o", "c.html"], &["hole.obj", "holes"]);
+    let far: &[(&str, &[u8])] =
+        &[("far.obj", b"v 1e308 0 0\nv -1e308 0 0\nv 1e308 1e308 0\nv 0 -1e308 0\nf 1 2 3 4\n")];
+    refused(far, &["view", "far.obj", "-o", "c.html"], &["far.obj"]);
+}

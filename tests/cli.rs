@@ -135,6 +135,7 @@ fn the_examples_in_the_help_run() {
         &["design", "--help"],
         &["decompose", "--help"],
         &["streamlines", "--help"],
+        &["view", "--help"],
         &["operators", "--help"],
         &["solve", "--help"],
         &["masses", "--help"],
@@ -159,7 +160,13 @@ fn the_examples_in_the_help_run() {
             let args: Vec<String> = words
                 .iter()
                 .enumerate()
-                .map(|(i, word)| if i > 0 && words[i - 1] == "-o" { out(word) } else { (*word).to_owned() })
+                .map(|(i, word)| {
+                    if i > 0 && ["-o", "--png"].contains(&words[i - 1]) {
+                        out(word)
+                    } else {
+                        (*word).to_owned()
+                    }
+                })
                 .collect();
             // A batch writes where its manifest says: in a copy of the assets.
             let place = if words[0] == "batch" { copy_of_assets(folder.path()) } else { root.clone() };

@@ -22,7 +22,9 @@ pub fn clients() -> Option<&'static Path> {
         }
     });
     if folder.is_none() {
-        eprintln!("skipped: PyPI or npm cannot be reached, so usd-core, Dask and gltf-validator are missing");
+        eprintln!(
+            "skipped: PyPI or npm cannot be reached, so usd-core, Dask, gltf-validator and playwright-core are missing"
+        );
     }
     folder.as_deref()
 }
@@ -55,6 +57,32 @@ pub fn check_gltf(clients: &Path, files: &[&Path]) -> Vec<Value> {
     let reports = lines(&run);
     assert_eq!(reports.len(), files.len(), "{}", String::from_utf8_lossy(&run.stderr));
     reports
+}
+
+/// Works the page of `formwork view` in a browser: what happened, on a desktop and on a telephone, or in a brief look on a
+/// desktop.
+#[track_caller]
+pub fn check_view(clients: &Path, page: &Path, extent: &str) -> Vec<Value> {
+    let browser = std::env::var_os("FORMWORK_CHROMIUM").unwrap_or("chromium".into());
+    let run = Command::new(clients.join("venv/bin/node"))
+        .arg(root().join("tests/clients/view_check.mjs"))
+        .arg(clients.join("npm/node_modules"))
+        .arg(which(&browser).unwrap_or_else(|| panic!("no {}: run scripts/setup --test", browser.display())))
+        .arg(page)
+        .arg(extent)
+        .args(std::env::var_os("FORMWORK_SHOTS"))
+        .output()
+        .unwrap();
+    let reports = lines(&run);
+    let windows = if extent == "brief" { 1 } else { 2 };
+    assert_eq!(reports.len(), windows, "{}", String::from_utf8_lossy(&run.stderr));
+    reports
+}
+
+/// A program, by its path or found on the search path.
+fn which(program: &std::ffi::OsStr) -> Option<PathBuf> {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    std::env::split_paths(&path).map(|folder| folder.join(program)).find(|file| file.is_file())
 }
 
 fn lines(run: &Output) -> Vec<Value> {

@@ -6,6 +6,7 @@ mod design;
 mod help;
 mod solve;
 mod study;
+mod view;
 pub mod volume;
 
 use std::path::PathBuf;
@@ -21,6 +22,7 @@ use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
 use formwork::topology::{BoundaryInterpolation, CreasingMethod, TriangleSubdivision};
 pub use solve::{Masses, Solve};
 pub use study::Study;
+pub use view::{Layer, View};
 
 /// Smooth differential forms on OpenSubdiv surfaces: values on vertices, oriented edges and faces, refined
 /// so that d S = S d exactly.
@@ -63,6 +65,9 @@ pub enum Command {
     /// Write masses and stiffnesses of the smooth forms, for NumPy, SciPy and PETSc
     #[command(after_help = solve::MASSES)]
     Masses(Masses),
+    /// Look at a surface and the forms on it: a page for the browser, a picture
+    #[command(after_help = view::HELP)]
+    View(View),
     /// Measure that the operators commute with d, against OpenSubdiv itself
     #[command(after_help = help::VALIDATE)]
     Validate(Validate),
@@ -119,6 +124,7 @@ impl Command {
             Command::Design(args) => &args.common,
             Command::Decompose(args) => &args.common,
             Command::Streamlines(args) => &args.common,
+            Command::View(args) => &args.common,
         })
     }
 }

@@ -64,6 +64,7 @@ fn main() -> ExitCode {
         Command::Stencil(args) => run::stencil::run(&args),
         Command::CharMap(args) => run::charmap::run(&args),
         Command::Basis(args) => run::basis::run(&args),
+        Command::View(args) => run::view::run(&args),
         Command::Batch(args) => run::batch::run(&args),
         Command::Volume(args) => run::volume::run(&args.command),
     };

@@ -2,17 +2,14 @@
 
 // Lines of at most 79 characters: clap breaks longer ones in a narrow terminal, code and all.
 pub const EXAMPLES: &str = "\
-Examples:
-  What is this cage, and what becomes of its creases, holes and polygons?
-    formwork inspect assets/open_polygons.obj
+Start here, from the folder of the sources:
+  Look at a smooth tangent field on a creased cage; open box.html in a browser:
+    formwork view assets/creased_box.obj \\
+        --field assets/creased_box.field.json -o box.html
 
-  Refine a cage and the 1-form on its edges; any glTF viewer opens the result:
+  Refine the cage and the 1-form on its edges; any glTF viewer opens the result:
     formwork subdivide assets/creased_box.obj \\
         --field assets/creased_box.field.json --levels 3 -o box.glb
-
-  The limit surface itself, with exact normals and tangent vectors:
-    formwork limit assets/creased_box.obj \\
-        --field assets/creased_box.field.json --level 2 -o limit.glb
 
   Measure that d S = S d, against OpenSubdiv's own weights:
     formwork validate assets/creased_box.obj --levels 3

@@ -17,6 +17,7 @@ pub mod study;
 pub mod subdivide;
 mod to_limit;
 pub mod validate;
+pub mod view;
 pub mod volume;
 
 use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
