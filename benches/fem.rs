@@ -1,4 +1,4 @@
-//! Finite elements on surfaces: what masses cost by the face, and systems of about 100 000 unknowns from the cage to the
+//! Finite elements on surfaces: what masses cost by the face, and systems of 100 000 unknowns from the cage to the
 //! solution. Words pick cases: `cargo bench --bench fem -- assembly`.
 
 mod common;
@@ -93,10 +93,10 @@ fn load(complex: &HilbertComplex, degree: usize) -> Vec<f64> {
     formwork::sparse::apply(complex.mass(degree), &form)
 }
 
-/// A plate of cubes with two windows, as many as make a system of about 100 000 unknowns: of functions at its vertices,
+/// A plate of cubes with two windows, as many as make a system of more than 100 000 unknowns: of functions at its vertices,
 /// otherwise with those of `delta w`.
 fn plate(degree: usize) -> (Cage, Positions, Scheme) {
-    let n = [224, 128, 128][degree];
+    let n = [240, 136, 136][degree];
     let window = |x: i32, from: i32, to: i32| (from * n / 8..to * n / 8).contains(&x);
     let (d, positions) =
         solids::voxels([n, n, 3], |[x, y, _]| !(window(y, 3, 5) && (window(x, 1, 3) || window(x, 5, 7))));

@@ -38,9 +38,8 @@ impl Terms {
                 *place += i32::from(key < other);
             }
         }
-        for i in 0..N {
-            let place = places[i] as usize;
-            (columns[place], weights[place]) = (self.columns[i], self.weights[i]);
+        for (place, (&column, &weight)) in places.into_iter().zip(self.columns.iter().zip(&self.weights)) {
+            (columns[place as usize], weights[place as usize]) = (column, weight);
         }
     }
 }
