@@ -272,7 +272,8 @@ fn dependent_bases_are_refused_or_pinned() {
     let complex = elements(&surface, &positions).complex(0);
     let shift = Resolvent::natural_shift(&complex);
     assert!(matches!(Resolvent::new(&complex, 1, shift), Err(FemError::Singular)));
-    let pinned = complex.pinned(1, &[0]).pinned(2, &[0]);
+    let elements = elements(&surface, &positions);
+    let pinned = complex.pinned(1, &elements.dependent(1)).pinned(2, &elements.dependent(2));
     assert_eq!(pinned.betti().unwrap(), [1, 2, 1]);
     let found = [0, 1, 2].map(|k| Resolvent::new(&pinned, k, shift).unwrap().lowest(6).unwrap().values);
     println!("{found:.6?}");

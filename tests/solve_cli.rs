@@ -4,6 +4,7 @@ mod common;
 
 use std::fs;
 
+use common::meshes::hexagonal_torus;
 use common::run::{formwork, json_file, numbers, object, scratch, succeed};
 use serde_json::json;
 
@@ -55,6 +56,38 @@ fn solutions_report_what_they_are() {
     let report = object(folder.path(), &args.each_ref().map(|x| x.as_str()));
     let norm = |key: &str| report["norm"][key].as_f64().unwrap();
     assert!(norm("after") < norm("before") && norm("after") > 0.0, "{report}");
+}
+
+/// Regular triangles, whose edge and face forms are dependent.
+#[test]
+fn dependent_bases_are_solved_with() {
+    let folder = scratch();
+    let d = hexagonal_torus(7, 6);
+    let turn = |i: u32, n: u32| std::f64::consts::TAU * f64::from(i) / f64::from(n);
+    let mut obj = String::new();
+    for v in 0..42 {
+        let (a, b) = (turn(v % 7, 7), turn(v / 7, 6));
+        let r = 3.0 + b.cos();
+        obj += &format!("v {} {} {}\n", r * a.cos(), r * a.sin(), b.sin());
+    }
+    for face in d.face_vertices.chunks_exact(3) {
+        obj += &format!("f {} {} {}\n", face[0] + 1, face[1] + 1, face[2] + 1);
+    }
+    fs::write(folder.path().join("torus.obj"), obj).unwrap();
+    for (degree, zeros) in [(0, 1), (1, 2), (2, 1)] {
+        let problem = json!({"problem": "eigenforms", "degree": degree, "count": 4});
+        fs::write(folder.path().join("p.json"), problem.to_string()).unwrap();
+        for level in ["0", "1"] {
+            let args = ["--scheme", "loop", "--level", level, "-o", "out.json", "--json"];
+            let args = [&["solve", "torus.obj", "--problem", "p.json"], &args[..]].concat();
+            let report = object(folder.path(), &args);
+            assert_eq!(
+                (&report["zeros"], &report["betti"]),
+                (&zeros.into(), &zeros.into()),
+                "{degree}: {report}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -21,6 +21,8 @@ impl Elements<'_> {
     /// The complex of the limit forms whose coefficients are on a level of the surface's hierarchy: each lies in the
     /// next. All are on the same surface, in the same metric.
     ///
+    /// Its basis may be dependent ([`Elements::dependent`]): [`HilbertComplex::pinned`] sees to that.
+    ///
     /// # Panics
     /// If there is no such level.
     pub fn complex(&self, level: usize) -> HilbertComplex {

@@ -263,7 +263,10 @@ mod tests {
 
     fn near(a: &Taylor, b: &Taylor) {
         assert_eq!(a.order, b.order);
-        a.terms.iter().zip(&b.terms).for_each(|(a, b)| assert!((a - b).abs() < 1e-13, "{a} {b}"));
+        a.terms
+            .iter()
+            .zip(&b.terms)
+            .for_each(|(a, b)| assert!((a - b).abs() < 1e-13 * (1.0 + b.abs()), "{a} {b}"));
     }
 
     #[test]

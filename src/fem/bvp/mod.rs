@@ -195,25 +195,31 @@ impl<'a, 'e> BoundaryProblem<'a, 'e> {
 
     /// The sums of a face.
     fn local(&self, face: u32, data: &Data, imposed: Imposed) -> Local {
-        let (operator, surface) = (self.operator, self.elements.surface());
-        let n = surface.face_cells(face).half_edges.len();
+        let n = self.elements.surface().face_cells(face).half_edges.len();
         let corners = self.elements.corners(face);
         let mut local = Local {
-            energy: vec![0.0; n * n],
+            energy: self.energies(face, &corners),
             load: self.loads(face, &corners, data),
             traces: vec![0.0; n * n],
             data: vec![0.0; n],
         };
-        for point in self.inside_of(face) {
-            let (_, Some(geometry)) = self.place(face, &corners, point) else { continue };
-            let rows: Vec<Features> =
-                point.jets.forms1.iter().map(|&w| features::inside(operator, &geometry, w)).collect();
-            add(&mut local.energy, &rows, &features::energy(operator, &geometry), point.weight);
-        }
         for points in self.rims(face) {
             self.side(&mut local, face, &corners, points, data, imposed);
         }
         local
+    }
+
+    /// The energies over a face.
+    fn energies(&self, face: u32, corners: &[Vector3<f64>]) -> Vec<f64> {
+        let n = self.elements.surface().face_cells(face).half_edges.len();
+        let (operator, mut energy) = (self.operator, vec![0.0; n * n]);
+        for point in self.inside_of(face) {
+            let (_, Some(geometry)) = self.place(face, corners, point) else { continue };
+            let rows: Vec<Features> =
+                point.jets.forms1.iter().map(|&w| features::inside(operator, &geometry, w)).collect();
+            add(&mut energy, &rows, &features::energy(operator, &geometry), point.weight);
+        }
+        energy
     }
 
     /// The points of a face.

@@ -13,7 +13,7 @@ use crate::topology::HalfEdge;
 #[derive(Clone, Debug)]
 pub struct Solved {
     /// `w`, as a cochain of the cage: 0 on edges whose forms do not reach the domain, and on those left out for
-    /// relations ([`Elements::dependent_edges`]).
+    /// relations ([`Elements::dependent`]).
     pub form: Cochain<1>,
     /// The number of coefficients that were solved for.
     pub unknowns: usize,
@@ -107,7 +107,7 @@ pub fn norm(x: &[f64]) -> f64 {
 
 impl Elements<'_> {
     /// Whether each edge of the cage is an unknown of problems on the faces inside: its form reaches them, and it is none of
-    /// [`Elements::dependent_edges`].
+    /// [`Elements::dependent`].
     ///
     /// On surfaces that had to be refined, relations are not looked for: forms of the cage that are 0 then make systems
     /// singular.
@@ -127,7 +127,7 @@ impl Elements<'_> {
         }
         let mut is: Vec<bool> = reached.iter().map(|&x| x > 0.0).collect();
         if hierarchy.num_levels() == 0 {
-            self.dependent_edges().iter().for_each(|&e| is[e as usize] = false);
+            self.dependent(1).iter().for_each(|&e| is[e as usize] = false);
         }
         is
     }
@@ -200,6 +200,18 @@ impl BoundaryProblem<'_, '_> {
             }
         };
         Ok(Solved { form: Cochain::new(kept.spread(&x)), unknowns: kept.len(), residual, off })
+    }
+
+    /// The matrix of the energy over the cage, with nothing imposed: `(|E|, |E|)`.
+    ///
+    /// Against `M1` it has the primal spectrum, for comparison: its zeros are none to rounding, and where a corner points
+    /// inwards it is that of another operator. [`HilbertComplex`](crate::fem::HilbertComplex) has the right one.
+    pub fn energy(&self) -> Csr {
+        let elements = self.elements;
+        elements.gather(1, |face| match elements.is_inside(face) {
+            true => self.energies(face, &elements.corners(face)),
+            false => Vec::new(),
+        })
     }
 
     /// The form of the space that is nearest to the solution of some data, in the L2 norm.

@@ -67,7 +67,8 @@ impl Expression {
     /// [`StudyError::Expression`] if it makes no sense.
     pub fn parse(text: &str) -> Result<Self, StudyError> {
         let wrong = |reason: String| StudyError::Expression { text: text.to_owned(), reason };
-        let parsed = FlatEx::parse(text).map_err(|error| wrong(error.to_string()))?;
+        let signed = signs_as_differences(text).map_err(wrong)?;
+        let parsed = FlatEx::parse(&signed).map_err(|error| wrong(error.to_string()))?;
         let coordinate = |name: &String| {
             ["x", "y", "z"].iter().position(|&c| c == name).ok_or_else(|| {
                 wrong(format!("{name} is unknown: there are x, y, z, pi, sin, cos, exp, ln, sqrt and atan2"))
@@ -84,6 +85,23 @@ impl Expression {
     }
 }
 
+/// A formula with `-a` as `0-a`, because the parser takes a sign before it takes powers: its `-x^2` is `(-x)^2`.
+fn signs_as_differences(text: &str) -> Result<String, String> {
+    let (mut signed, mut before) = (String::new(), '(');
+    for c in text.chars() {
+        match (before, c) {
+            ('(' | ',', '-' | '+') => signed.push('0'),
+            ('+' | '-' | '*' | '/', '-' | '+') => {
+                return Err(format!("a sign follows {before}: put it in brackets with what it belongs to"));
+            }
+            _ => {}
+        }
+        signed.push(c);
+        before = if c.is_whitespace() { before } else { c };
+    }
+    Ok(signed)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,10 +112,12 @@ mod tests {
         let point = [x, y, Taylor::constant(2.0)];
         let c = Taylor::constant;
         let pi = c(std::f64::consts::PI);
-        let cases: [(&str, Taylor); 7] = [
+        let cases: [(&str, Taylor); 9] = [
             ("cos(2*pi*x) - sin(4*pi*y)", (pi * x * 2.0).cos() - (pi * y * 4.0).sin()),
             ("x + y + y*(1-y)/4", x + y + y * (c(1.0) - y) * 0.25),
             ("-x^2 - 2^3", -(x * x) - c(8.0)),
+            ("2*(-x^2) - x^-1", -(x * x * 2.0) - c(1.0) / x),
+            ("cos( - x^2) + 1e-3*y", (x * x).cos() + y * 1e-3),
             ("(x^2 + y^2)^(1/3)", (x * x + y * y).powf(1.0 / 3.0)),
             ("z - x - y - 1", c(2.0) - x - y - c(1.0)),
             ("atan2(-y, -x) + pi", (-y).atan2(&-x) + pi),
@@ -115,7 +135,7 @@ mod tests {
                 }
             }
         }
-        for text in ["x +", "w", "sin(x", "tan(x)", ""] {
+        for text in ["2*-x^2", "x +", "w", "sin(x", "tan(x)", ""] {
             assert!(Expression::parse(text).is_err(), "{text}");
         }
     }

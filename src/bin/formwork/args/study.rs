@@ -20,8 +20,8 @@ your own, as JSON. All but the solution may be left out:
 The solution is a 1-form, by its components along dx and dy. The load (Delta w,
 or Delta Delta w, in the metric) and the boundary data are derived from it,
 exactly, so that any formula is a test with a known answer. Formulas have x, y,
-pi, + - * / ^, sin, cos, exp, ln, sqrt, atan2(y, x); a sign binds before ^, so
-write -(x^2). The metric is that of the image of a map, or given, or flat.
+pi, + - * / ^, sin, cos, exp, ln, sqrt, atan2(y, x). The metric is that of the image of a map, or
+given, or flat.
 
 Errors are norms in the metric over the domain: of w itself (L2), of its first
 derivatives (energy, H1), of its second ones (H2). h is the size of a cell.

@@ -49,7 +49,7 @@ pub fn run(args: &Solve) -> Result<Outcome, Failure> {
         })?),
     };
     let elements = Elements::new(&surface, &job.asset.positions, &Quadrature::new(hierarchy.split_kind()));
-    let mut complex = elements.complex(level);
+    let mut complex = independent(&elements, level, problem.essential);
     let mut keep = [0, 1, 2].map(|k| vec![true; complex.len(k)]);
     if problem.essential {
         keep = interior(hierarchy.level(level).mesh());
@@ -86,6 +86,20 @@ pub fn run(args: &Solve) -> Result<Outcome, Failure> {
         to.extend(from);
     }
     Ok(written)
+}
+
+/// The complex of a level, with nothing in it that is dependent.
+fn independent(elements: &Elements, level: usize, essential: bool) -> HilbertComplex {
+    let mut complex = elements.complex(level);
+    // Where the surface had to be refined there are irregular vertices, and then no relations.
+    if level == elements.surface().hierarchy().num_levels() {
+        complex = complex.pinned(2, &elements.dependent(2));
+        // Relations of edges reach the boundary: forms that vanish along it have none.
+        if !essential {
+            complex = complex.pinned(1, &elements.dependent(1));
+        }
+    }
+    complex
 }
 
 /// The form of a degree on a level.
