@@ -8,8 +8,8 @@ use common::random;
 use common::solids::{self, Positions, slab};
 use formwork::cochain::Cochain;
 use formwork::fem::{
-    Diffusion, Elements, FemError, HilbertComplex, HodgeLaplace, Quadrature, Resolvent, TimeRule,
-    conjugate_gradients, interior, stiffness,
+    BoundaryProblem, Diffusion, Elements, FemError, HilbertComplex, HodgeLaplace, Operator, Quadrature,
+    Resolvent, TimeRule, conjugate_gradients, interior, stiffness,
 };
 use formwork::limit::LimitSurface;
 use formwork::nalgebra::Vector3;
@@ -256,6 +256,28 @@ fn conjugate_gradients_agree_with_factors() {
     assert!(off < 1e-8 * direct.form.iter().fold(0.0f64, |a, x| a.max(x.abs())), "{off:e}");
     assert!(found.residual < 1e-11 && found.condition > 10.0, "{:e} {:e}", found.residual, found.condition);
     assert!(problem.resolvent().condition() > 10.0);
+}
+
+/// Masses, energies, factors and solutions are the same to the bit for any number of threads.
+#[test]
+fn threads_change_nothing() {
+    let (d, positions) = slab(2);
+    let cage = Cage::new(d).unwrap();
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let surface = surface(&cage, 1);
+            let elements = elements(&surface, &positions);
+            let complex = elements.complex(1);
+            let energy = BoundaryProblem::new(&elements, Operator::HodgeLaplace, 1).energy();
+            let load = apply(complex.mass(1), &random(complex.len(1), 7));
+            let problem = HodgeLaplace::new(&complex, 1).unwrap();
+            let values = problem.resolvent().lowest(6).unwrap().values;
+            let matrices = [0, 1, 2].map(|k| complex.mass(k).data().to_vec());
+            (matrices, energy.data().to_vec(), problem.solve(&load, None).unwrap().form, values)
+        })
+    };
+    assert!(run(1) == run(3));
 }
 
 /// The dependent edge splines of regular triangles are told, and solved with once they are pinned.

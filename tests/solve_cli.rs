@@ -58,6 +58,47 @@ fn solutions_report_what_they_are() {
     assert!(norm("after") < norm("before") && norm("after") > 0.0, "{report}");
 }
 
+/// Poisson's problem by factors and by conjugate gradients.
+#[test]
+fn solvers_agree() {
+    let folder = scratch();
+    let vertices =
+        fs::read_to_string(asset("genus2.obj")).unwrap().lines().filter(|l| l.starts_with("v ")).count();
+    let data: Vec<(usize, f64)> = (0..vertices).map(|i| (i, 1.0 + (i as f64).sin())).collect();
+    fs::write(folder.path().join("f.json"), json!({ "vertices": data }).to_string()).unwrap();
+    let solve = |solver: &str| {
+        fs::write(folder.path().join("p.json"), json!({"problem": "poisson", "solver": solver}).to_string())
+            .unwrap();
+        let output = format!("{solver}.json");
+        let genus2 = asset("genus2.obj");
+        let args = [
+            "solve",
+            &genus2,
+            "--problem",
+            "p.json",
+            "--field",
+            "f.json",
+            "--level",
+            "0",
+            "-o",
+            &output,
+            "--json",
+        ];
+        let report = object(folder.path(), &args);
+        assert!(report["residual"].as_f64().unwrap() < 1e-11, "{report}");
+        assert!(report["condition"].as_f64().unwrap() > 10.0, "{report}");
+        let aside = numbers(&report["harmonic_part"]);
+        assert!(aside.len() == 1, "{report}");
+        let written = json_file(&folder.path().join(output));
+        (aside[0].abs(), numbers(&written["form0"]))
+    };
+    let ((a, direct), (b, iterated)) = (solve("direct"), solve("iterative"));
+    assert!((a - b).abs() < 1e-10 * a, "{a} {b}");
+    let most = direct.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+    let off = direct.iter().zip(&iterated).fold(0.0f64, |off, (a, b)| off.max((a - b).abs()));
+    assert!(direct.len() == vertices && most > 0.1 && off < 1e-9 * most, "{off:e} {most}");
+}
+
 /// Regular triangles, whose edge and face forms are dependent.
 #[test]
 fn dependent_bases_are_solved_with() {
@@ -97,6 +138,10 @@ fn bad_problems_are_told_in_one_line() {
     let cases = [
         ("{\"problem\": \"plateau\"}", "unknown variant `plateau`"),
         ("{\"problem\": \"poisson\",}", "line 1, column 23"),
+        (
+            "{\"problem\": \"diffusion\", \"degree\": 0, \"solver\": \"iterative\"}",
+            "\"solver\": belongs to another",
+        ),
         ("{\"problem\": \"poisson\", \"degree\": 1}", "ask for hodge-laplace"),
         ("{\"problem\": \"hodge-laplace\"}", "\"degree\": is missing"),
         ("{\"problem\": \"hodge-laplace\", \"degree\": 3}", "degree 0, 1 and 2"),

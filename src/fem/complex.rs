@@ -164,10 +164,19 @@ impl HilbertComplex {
     /// # Errors
     /// [`FemError::NonManifold`] if an edge has more than two faces.
     pub fn betti(&self) -> Result<[usize; 3], FemError> {
-        let b0 = kernel_dimension(&self.d[0])?;
-        let b2 = kernel_dimension(&super::transpose(&self.d[1]))?;
+        let b0 = kernel(&self.d[0])?.0;
+        let b2 = kernel(&super::transpose(&self.d[1]))?.0;
         let [v, e, f] = [0, 1, 2].map(|k| self.len(k));
         Ok([b0, (b0 + b2 + e).saturating_sub(v + f), b2])
+    }
+}
+
+impl HilbertComplex {
+    /// For each vertex the component on which functions may be constant, if there is one: essential conditions take it
+    /// away.
+    pub(super) fn constants(&self) -> Result<(usize, Vec<Option<u32>>), FemError> {
+        let (count, of) = kernel(&self.d[0])?;
+        Ok((count, of.into_iter().map(|x| x.map(|(component, _)| component)).collect()))
     }
 }
 
@@ -177,9 +186,11 @@ pub(super) fn diagonal(matrix: &Csr, i: usize) -> f64 {
     columns.binary_search(&(i as u32)).map_or(0.0, |at| entries[at])
 }
 
-/// The dimension of the kernel of a matrix with at most two entries, 1 or -1, in a row: its columns fall into
-/// components; one counts unless a row with one entry, or a round trip that changes the sign, makes it 0.
-fn kernel_dimension(d: &Csr) -> Result<usize, FemError> {
+/// The kernel of a matrix with at most two entries, 1 or -1, in a row: its columns fall into components, on each of which
+/// it is 1 or -1, unless a row with one entry, or a round trip that changes the sign, makes it 0. Its dimension, and
+/// for each column the component and the sign.
+#[allow(clippy::type_complexity)]
+fn kernel(d: &Csr) -> Result<(usize, Vec<Option<(u32, f64)>>), FemError> {
     let n = d.cols();
     // To a parent, with the sign that leads there.
     let mut parent: Vec<(u32, f64)> = (0..n as u32).map(|i| (i, 1.0)).collect();
@@ -217,5 +228,18 @@ fn kernel_dimension(d: &Csr) -> Result<usize, FemError> {
             _ => return Err(FemError::NonManifold { edge: e as u32, faces: cells.len() }),
         }
     }
-    Ok((0..n).filter(|&i| parent[i].0 == i as u32 && !zero[i]).count())
+    let mut count = 0;
+    let number: Vec<Option<u32>> = (0..n)
+        .map(|i| {
+            let counts = parent[i].0 == i as u32 && !zero[i];
+            count += u32::from(counts);
+            counts.then(|| count - 1)
+        })
+        .collect();
+    let of = (0..n as u32).map(|i| {
+        let (root, sign) = root(&mut parent, i);
+        number[root as usize].map(|component| (component, sign))
+    });
+    let of = of.collect();
+    Ok((count as usize, of))
 }

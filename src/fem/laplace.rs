@@ -1,7 +1,9 @@
 use super::FemError;
 use super::complex::HilbertComplex;
+use super::pcg::conjugate_gradients;
 use super::resolvent::Resolvent;
-use crate::sparse::inner;
+use super::stiffness;
+use crate::sparse::{apply, inner};
 
 /// The Hodge Laplacian of a degree, to be solved: `Delta w = f - P f`, with `P` the projection onto the harmonic forms
 /// and `w` orthogonal to them.
@@ -35,6 +37,10 @@ pub struct Solution {
 /// What conjugate gradients end at, and the steps they may take.
 const CONVERGED: f64 = 1e-14;
 const MOST: usize = 500;
+
+/// The same of conjugate gradients without factors.
+const ITERATED: f64 = 1e-12;
+const MOST_ITERATED: usize = 20_000;
 
 /// An eigenvalue is 0 below this part of the shift. Zeros come out near the square of the unit roundoff, and the shift is
 /// below the lowest eigenvalue of any surface that is not drawn out to a thousand times its width.
@@ -154,4 +160,37 @@ impl<'a> HodgeLaplace<'a> {
         pair.iter_mut().for_each(|x| *x /= unit);
         Ok(Solution { form, sigma: pair, defect, iterations, residual })
     }
+}
+
+/// Poisson's problem `Delta w = f - P f` of functions by [`conjugate_gradients`], for systems too large for factors, with the
+/// load `<f, v>` of every basis function `v`: what [`HodgeLaplace::solve`] finds in degree 0, to a residual of 1e-12, and
+/// the condition number of the system scaled to diagonal 1. Defects come one for each component without a boundary
+/// condition.
+///
+/// # Errors
+/// [`FemError::NoConvergence`]; [`FemError::NonManifold`] if an edge has more than two ends.
+///
+/// # Panics
+/// If the load is of another length.
+pub fn poisson(complex: &HilbertComplex, load: &[f64]) -> Result<(Solution, f64), FemError> {
+    let (count, component) = complex.constants()?;
+    let weights = apply(complex.mass(0), &vec![1.0; complex.len(0)]);
+    let sums = |x: &[f64]| {
+        let mut sums = vec![0.0; count];
+        let of = component.iter().zip(x).filter_map(|(of, x)| of.map(|of| (of as usize, x)));
+        of.for_each(|(of, x)| sums[of] += x);
+        sums
+    };
+    let areas = sums(&weights);
+    let mean = |of: Option<u32>, sums: &[f64]| of.map_or(0.0, |of| sums[of as usize] / areas[of as usize]);
+    let loads = sums(load);
+    let part = component.iter().zip(&weights).map(|(&of, weight)| weight * mean(of, &loads));
+    let right: Vec<f64> = load.iter().zip(part).map(|(x, part)| x - part).collect();
+    let matrix = stiffness(complex.mass(1), complex.d(0));
+    let found = conjugate_gradients(&matrix, &right, ITERATED, MOST_ITERATED)?;
+    let means = sums(&apply(complex.mass(0), &found.solution));
+    let form = found.solution.iter().zip(&component).map(|(x, &of)| x - mean(of, &means)).collect();
+    let defect = loads.iter().zip(&areas).map(|(load, area)| load / area.sqrt()).collect();
+    let (iterations, residual) = (found.iterations, found.residual);
+    Ok((Solution { form, sigma: Vec::new(), defect, iterations, residual }, found.condition))
 }

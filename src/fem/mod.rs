@@ -49,7 +49,7 @@ pub use complex::{HilbertComplex, interior};
 pub use diffusion::{Diffusion, TimeRule};
 pub use element::Elements;
 pub use error::FemError;
-pub use laplace::{HodgeLaplace, Solution};
+pub use laplace::{HodgeLaplace, Solution, poisson};
 pub use ldlt::Ldlt;
 pub use metric::Metric;
 pub use pcg::{Iterated, conjugate_gradients};

@@ -23,7 +23,10 @@ pub struct Problem {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Task {
     /// `w` with `Delta w = f - P f`.
-    Solve,
+    Solve {
+        /// Whether by conjugate gradients instead of factors; functions only.
+        iterative: bool,
+    },
     /// The lowest eigenforms; the form with this number, from 0, is the one to be shown.
     Eigenforms {
         /// How many.
@@ -82,6 +85,14 @@ enum Rule {
     CrankNicolson,
 }
 
+#[derive(Clone, Copy, Default, Deserialize, PartialEq)]
+#[serde(rename_all = "kebab-case")]
+enum Solver {
+    #[default]
+    Direct,
+    Iterative,
+}
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -94,6 +105,7 @@ struct File {
     step: Option<f64>,
     steps: Option<usize>,
     rule: Option<Rule>,
+    solver: Option<Solver>,
 }
 
 impl Problem {
@@ -109,7 +121,7 @@ impl Problem {
     /// Reads a problem from the contents of a file, one of these; `name` is used in messages:
     ///
     /// ```json
-    /// {"problem": "poisson"}
+    /// {"problem": "poisson", "solver": "iterative"}
     /// {"problem": "hodge-laplace", "degree": 1, "boundary": "essential"}
     /// {"problem": "eigenforms", "degree": 1, "count": 6, "show": 4}
     /// {"problem": "diffusion", "degree": 1, "step": 0.01, "steps": 10, "rule": "crank-nicolson"}
@@ -132,6 +144,7 @@ impl Problem {
             ("step", file.step.is_some() && kind != Kind::Diffusion),
             ("steps", file.steps.is_some() && kind != Kind::Diffusion),
             ("rule", file.rule.is_some() && kind != Kind::Diffusion),
+            ("solver", file.solver.is_some() && kind != Kind::Poisson),
         ];
         if let Some((key, _)) = strays.into_iter().find(|(_, stray)| *stray) {
             return wrong(key, "belongs to another problem: leave it out");
@@ -146,7 +159,9 @@ impl Problem {
             _ => return wrong("degree", "a surface has forms of degree 0, 1 and 2: give one of these"),
         };
         let task = match kind {
-            Kind::Poisson | Kind::HodgeLaplace => Task::Solve,
+            Kind::Poisson | Kind::HodgeLaplace => {
+                Task::Solve { iterative: file.solver.unwrap_or_default() == Solver::Iterative }
+            }
             Kind::Eigenforms => {
                 let (count, show) = (file.count.unwrap_or(6), file.show.unwrap_or(0));
                 if !(1..=200).contains(&count) {

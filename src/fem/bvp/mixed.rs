@@ -34,6 +34,8 @@ pub struct MixedSolution {
     pub unknowns: usize,
     /// `|b - A x| / |b|`.
     pub residual: f64,
+    /// An estimate of its condition number ([`Ldlt::condition`]).
+    pub condition: f64,
 }
 
 /// How far a solution of the mixed form is off, over the domain.
@@ -112,7 +114,8 @@ impl<'a, 'e> MixedProblem<'a, 'e> {
             if relative < CONVERGED || (relative < 1e-9 && relative > 0.5 * before) {
                 let form = Cochain::new(edges.spread(&x[below..]));
                 let sigma = Cochain::new(vertices.spread(&x[..below]));
-                return Ok(MixedSolution { form, sigma, unknowns: below + n, residual: relative });
+                let condition = factors.condition();
+                return Ok(MixedSolution { form, sigma, unknowns: below + n, residual: relative, condition });
             }
             if steps == MOST || !relative.is_finite() {
                 return Err(FemError::NoConvergence { what: "the mixed form", iterations: steps });

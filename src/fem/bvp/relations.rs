@@ -49,7 +49,7 @@ impl Elements<'_> {
 }
 
 /// The faces inside that are across an edge of a face.
-fn beside<'m>(elements: &Elements<'_>, mesh: &'m Mesh, face: u32) -> impl Iterator<Item = u32> {
+fn beside(elements: &Elements<'_>, mesh: &Mesh, face: u32) -> impl Iterator<Item = u32> {
     mesh.corners(face).filter_map(move |corner| {
         let beyond = mesh.left_corner(mesh.corner_half_edge(corner).twin());
         let next = beyond.map(|corner| mesh.corner_face(corner));

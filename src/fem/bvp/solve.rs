@@ -19,6 +19,8 @@ pub struct Solved {
     pub unknowns: usize,
     /// `|b - A x| / |b|` of the last system that was solved.
     pub residual: f64,
+    /// An estimate of the condition number of that system ([`Ldlt::condition`]).
+    pub condition: f64,
     /// How far the traces are from what was imposed strongly, relative; 0 for other ways.
     pub off: f64,
 }
@@ -158,9 +160,9 @@ impl BoundaryProblem<'_, '_> {
         let kept = Kept::new(edges.len(), |e| edges[e as usize]);
         let energy = kept.matrix(&matrix(|local| &local.energy));
         let load = kept.vector(&vector(|local| &local.load));
-        let (x, residual, off) = if let Imposed::Nitsche(_) = imposed {
-            let x = solve(&energy, &load)?;
-            (x.0, x.1, 0.0)
+        let (x, residual, condition, off) = if let Imposed::Nitsche(_) = imposed {
+            let (x, residual, condition) = solve(&energy, &load)?;
+            (x, residual, condition, 0.0)
         } else {
             let traces = kept.matrix(&matrix(|local| &local.traces));
             let wanted = kept.vector(&vector(|local| &local.data));
@@ -183,14 +185,14 @@ impl BoundaryProblem<'_, '_> {
                 let image = apply(&all, &x);
                 let residual = norm(&difference(&right, &image)) / norm(&right).max(f64::MIN_POSITIVE);
                 if let Imposed::Penalty(_) = imposed {
-                    break (x, residual, 0.0);
+                    break (x, residual, factors.condition(), 0.0);
                 }
                 let off = difference(&wanted, &apply(&traces, &x));
                 let size = norm(&off) / norm(&wanted).max(f64::MIN_POSITIVE);
                 steps += 1;
                 // Rounding ends it where it does not come down any more.
                 if size < IMPOSED || (steps > 3 && size > 0.5 * best && size < 1e-7) {
-                    break (x, residual, size);
+                    break (x, residual, factors.condition(), size);
                 }
                 if steps == MOST {
                     return Err(FemError::NoConvergence { what: "data on the boundary", iterations: steps });
@@ -199,7 +201,7 @@ impl BoundaryProblem<'_, '_> {
                 right.iter_mut().zip(&off).for_each(|(r, o)| *r += factor * o);
             }
         };
-        Ok(Solved { form: Cochain::new(kept.spread(&x)), unknowns: kept.len(), residual, off })
+        Ok(Solved { form: Cochain::new(kept.spread(&x)), unknowns: kept.len(), residual, condition, off })
     }
 
     /// The matrix of the energy over the cage, with nothing imposed: `(|E|, |E|)`.
@@ -225,8 +227,14 @@ impl BoundaryProblem<'_, '_> {
         let solution = Data { solution: data.solution.clone(), load: Some(data.solution.clone()) };
         let load =
             self.elements.gather_vector(1, |face| self.loads(face, &self.elements.corners(face), &solution));
-        let (x, residual) = solve(&mass, &kept.vector(&load))?;
-        Ok(Solved { form: Cochain::new(kept.spread(&x)), unknowns: kept.len(), residual, off: 0.0 })
+        let (x, residual, condition) = solve(&mass, &kept.vector(&load))?;
+        Ok(Solved {
+            form: Cochain::new(kept.spread(&x)),
+            unknowns: kept.len(),
+            residual,
+            condition,
+            off: 0.0,
+        })
     }
 
     /// How far a cochain's form is from the solution of some data. Integrals are by the points of the elements: those
@@ -285,13 +293,14 @@ pub fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// The solution of a definite system, and what is left over.
-fn solve(matrix: &Csr, right: &[f64]) -> Result<(Vec<f64>, f64), FemError> {
+fn solve(matrix: &Csr, right: &[f64]) -> Result<(Vec<f64>, f64, f64), FemError> {
     let mut x = [right.to_vec()];
-    Ldlt::new(matrix)?.solve(&mut x);
+    let factors = Ldlt::new(matrix)?;
+    factors.solve(&mut x);
     let [x] = x;
     let left = norm(&difference(right, &apply(matrix, &x))) / norm(right).max(f64::MIN_POSITIVE);
     match left.is_finite() {
-        true => Ok((x, left)),
+        true => Ok((x, left, factors.condition())),
         false => Err(FemError::Singular),
     }
 }

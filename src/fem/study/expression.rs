@@ -2,7 +2,9 @@
 
 use std::str::FromStr;
 
-use exmex::{BinOp, Express, FlatEx, MakeOperators, Operator, ops_factory};
+use exmex::{
+    BinOp, Express, FlatEx, MakeOperators, MatchLiteral, Operator, literal_matcher_from_pattern, ops_factory,
+};
 
 use super::StudyError;
 use crate::limit::Taylor;
@@ -34,6 +36,8 @@ fn power(Number(a): Number, Number(b): Number) -> Number {
     Number(if is_constant { a.powf(b.value()) } else { (b * a.ln()).exp() })
 }
 
+literal_matcher_from_pattern!(Literal, r"^([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?");
+
 ops_factory!(
     Functions,
     Number,
@@ -55,7 +59,7 @@ ops_factory!(
 /// `pi`, brackets. Its derivatives are exact.
 #[derive(Clone, Debug)]
 pub struct Expression {
-    parsed: FlatEx<Number, Functions>,
+    parsed: FlatEx<Number, Functions, Literal>,
     /// Which coordinates it has, in the order in which it wants them.
     coordinates: Vec<usize>,
 }

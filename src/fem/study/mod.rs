@@ -60,6 +60,8 @@ pub struct Row {
     pub rates: Vec<Option<f64>>,
     /// What is left over of the last linear system, relative.
     pub residual: f64,
+    /// An estimate of its condition number, in the 1-norm.
+    pub condition: f64,
 }
 
 /// What a study found on one kind of cells.
@@ -154,12 +156,13 @@ impl Study {
             SplitKind::Triangle => conical(6),
         };
         let fine = self.elements(&surface, &lattice, &Quadrature::graded(vec![finer; 8]), metric);
-        let row = |unknowns: usize, errors: Vec<f64>, residual: f64| Row {
+        let row = |unknowns: usize, errors: Vec<f64>, [residual, condition]: [f64; 2]| Row {
             h: 1.0 / f64::from(per_unit),
             unknowns,
             rates: vec![None; errors.len()],
             errors,
             residual,
+            condition,
         };
         let points = self.boundary_points;
         let primal = |operator: Operator| -> Result<(Vec<&'static str>, Row), FemError> {
@@ -184,7 +187,7 @@ impl Study {
                 Operator::HodgeLaplace => (vec!["L2", "energy"], vec![l2, energy]),
                 Operator::BiLaplace => (vec!["L2", "H1", "H2"], vec![l2, energy, second]),
             };
-            Ok((names, row(solved.unknowns, errors, solved.residual)))
+            Ok((names, row(solved.unknowns, errors, [solved.residual, solved.condition])))
         };
         Ok(match self.method {
             Method::HodgeLaplace => primal(Operator::HodgeLaplace),
@@ -192,7 +195,10 @@ impl Study {
             Method::Mixed => MixedProblem::new(&elements, points).solve(data).map(|solved| {
                 let off = MixedProblem::new(&fine, 1).errors(&solved, &self.exact(data));
                 let errors = vec![off.l2, off.d, off.sigma];
-                (vec!["L2", "L2 of dw", "L2 of delta w"], row(solved.unknowns, errors, solved.residual))
+                (
+                    vec!["L2", "L2 of dw", "L2 of delta w"],
+                    row(solved.unknowns, errors, [solved.residual, solved.condition]),
+                )
             }),
         })
     }

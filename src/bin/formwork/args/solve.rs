@@ -8,7 +8,7 @@ pub const SOLVE: &str = "\
 Problems for the Hodge Laplacian D = d delta + delta d of 0-, 1- or 2-forms on
 the limit surface, solved with the smooth forms of the cage refined --level
 times. The problem is JSON, one of
-  {\"problem\": \"poisson\"}
+  {\"problem\": \"poisson\", \"solver\": \"direct\" or \"iterative\"}
   {\"problem\": \"hodge-laplace\", \"degree\": k}
   {\"problem\": \"eigenforms\", \"degree\": k, \"count\": n, \"show\": i}
   {\"problem\": \"diffusion\", \"degree\": k, \"step\": t, \"steps\": n,
@@ -16,7 +16,9 @@ times. The problem is JSON, one of
 each with \"boundary\": \"natural\" or \"essential\" (functions 0 on it, 1-forms 0
 along it). The data, D w = f or the form that diffuses, is the form of that degree
 in --field or in the mesh file. What is harmonic in f has no solution; it is set
-aside and its size is told. w is orthogonal to the harmonic forms.
+aside and its size is told. w is orthogonal to the harmonic forms. Factors take
+memory: above a few hundred thousand unknowns solve Poisson's problem by
+\"iterative\" (conjugate gradients), others from formwork masses, with PETSc.
 
 The solution, the eigenform with number `show` (from 0), or the form after all
 steps is written on the limit surface, as by the command limit.

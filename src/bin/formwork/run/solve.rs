@@ -1,7 +1,7 @@
 use formwork::cochain::Cochain;
 use formwork::fem::{
     Diffusion, Elements, FemError, HilbertComplex, HodgeLaplace, Problem, Quadrature, Resolvent, Task,
-    interior,
+    interior, poisson,
 };
 use formwork::hierarchy::Hierarchy;
 use formwork::io::fields::Fields;
@@ -122,11 +122,14 @@ fn data(hierarchy: &Hierarchy, fields: &Fields, degree: usize, level: usize) -> 
 fn solve(complex: &HilbertComplex, problem: &Problem, data: Option<&[f64]>) -> Result<Found, FemError> {
     let degree = problem.degree;
     match problem.task {
-        Task::Solve => {
+        Task::Solve { iterative } => {
             let load = apply(complex.mass(degree), data.unwrap_or_default());
-            let laplace = HodgeLaplace::new(complex, degree)?;
-            let solution = laplace.solve(&load, None)?;
-            let condition = laplace.resolvent().condition();
+            let (solution, condition) = if iterative {
+                poisson(complex, &load)?
+            } else {
+                let laplace = HodgeLaplace::new(complex, degree)?;
+                (laplace.solve(&load, None)?, laplace.resolvent().condition())
+            };
             let aside = solution.defect.iter().map(|x| x * x).sum::<f64>().sqrt();
             let text = format!(
                 "{}, the data's harmonic part set aside: {aside:.6}\nresidual {:.1e} after {}, condition {condition:.1e}\n",

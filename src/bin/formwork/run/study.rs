@@ -64,14 +64,14 @@ fn report(study: &Study, tables: &[Table]) -> String {
         for error in &table.errors {
             text += &format!("  {error:>13}   rate");
         }
-        text += "  residual\n";
+        text += "  residual  condition\n";
         for row in &table.rows {
             text += &format!("{:>6}  {:>8}", format!("1/{:.0}", 1.0 / row.h), row.unknowns);
             for (error, rate) in row.errors.iter().zip(&row.rates) {
                 let rate = rate.map_or("-".to_owned(), |rate| format!("{rate:.2}"));
                 text += &format!("  {error:>13.3e}  {rate:>5}");
             }
-            text += &format!("  {:>8.1e}\n", row.residual);
+            text += &format!("  {:>8.1e}  {:>9.1e}\n", row.residual, row.condition);
         }
         text.push('\n');
     }
