@@ -1,6 +1,7 @@
 //! Building the tables of forms beside OpenSubdiv's own of S0, and what both hold in memory.
 //!
-//! `cargo bench --bench tables` prints ratios of one run, medians, one thread; `-- 10m` adds 10 million faces.
+//! `cargo bench --bench tables` prints ratios of one run, medians, one thread; `-- 10m` adds 10 million faces, `-- composed`
+//! leaves out all but the composed tables.
 
 mod common;
 
@@ -19,6 +20,9 @@ fn main() {
         return hold(&arguments[at + 1], &arguments[at + 2], arguments[at + 3].parse().unwrap());
     }
     let large = arguments.iter().any(|a| a == "10m");
+    if arguments.iter().any(|a| a == "composed") {
+        return all_composed();
+    }
     // Comparisons with OpenSubdiv, which has one thread.
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     one.install(|| {
@@ -35,10 +39,7 @@ fn main() {
             }
         }
     });
-    println!("\nComposed tables S0, S1, S2 of level 4, all threads; seconds");
-    for (name, cage, scheme) in surfaces::all(10_000) {
-        composed(name, &cage, scheme);
-    }
+    all_composed();
     println!("\nTime per finest face from small to large, one thread, nanoseconds; S1 and S2 of each level");
     one.install(|| {
         for (name, levels) in [("regular quads", 3), ("irregular triangles", 3)] {
@@ -106,6 +107,13 @@ fn per_level(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
         (built - lean + tables) / osd,
         (built + tables) / osd
     );
+}
+
+fn all_composed() {
+    println!("\nComposed tables S0, S1, S2 of level 4, all threads; seconds");
+    for (name, cage, scheme) in surfaces::all(10_000) {
+        composed(name, &cage, scheme);
+    }
 }
 
 fn composed(name: &str, cage: &Cage, scheme: Scheme) {

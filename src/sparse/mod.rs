@@ -137,6 +137,13 @@ pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) ->
     })
 }
 
+/// The front of a slice, which is taken off it.
+fn front<'a, T>(slice: &mut &'a mut [T], len: usize) -> &'a mut [T] {
+    let (front, rest) = std::mem::take(slice).split_at_mut(len);
+    *slice = rest;
+    front
+}
+
 /// Builds a matrix from runs of rows, `fill(rows, part)` each.
 pub(crate) fn assemble_parts(shape: (usize, usize), fill: impl Fn(Range<usize>, &mut Part) + Sync) -> Csr {
     let rows = shape.0;
@@ -150,18 +157,29 @@ pub(crate) fn assemble_parts(shape: (usize, usize), fill: impl Fn(Range<usize>, 
         })
         .collect();
 
-    let entries = parts.iter().map(|p| p.columns.len()).sum();
-    let mut offsets = Vec::with_capacity(rows + 1);
-    let mut indices = Vec::with_capacity(entries);
-    let mut data = Vec::with_capacity(entries);
-    offsets.push(0);
+    let entries: usize = parts.iter().map(|part| part.columns.len()).sum();
+    let (mut offsets, mut indices, mut data) = (vec![0; rows + 1], vec![0; entries], vec![0.0; entries]);
+    let (mut row_ends, mut columns, mut weights) = (&mut offsets[1..], &mut indices[..], &mut data[..]);
+    let mut before = 0;
+    let places: Vec<_> = parts
+        .iter()
+        .map(|part| {
+            let start = before;
+            before += part.columns.len();
+            let place = (
+                front(&mut row_ends, part.row_ends.len()),
+                front(&mut columns, part.columns.len()),
+                front(&mut weights, part.weights.len()),
+            );
+            (start, place)
+        })
+        .collect();
     // Each part is dropped once it is copied, so that what is held stays one matrix.
-    for part in parts {
-        let before = indices.len();
-        offsets.extend(part.row_ends.iter().map(|end| before + end));
-        indices.extend_from_slice(&part.columns);
-        data.extend_from_slice(&part.weights);
-    }
+    parts.into_par_iter().zip(places).for_each(|(part, (start, (row_ends, columns, weights)))| {
+        row_ends.iter_mut().zip(part.row_ends).for_each(|(to, end)| *to = start + end);
+        columns.copy_from_slice(&part.columns);
+        weights.copy_from_slice(&part.weights);
+    });
     Csr::new(shape, offsets, indices, data)
 }
 
