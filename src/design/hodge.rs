@@ -1,13 +1,12 @@
 use nalgebra::{DMatrix, DVector, Vector3};
 use rayon::prelude::*;
 
-use super::cholesky::Cholesky;
 use super::homology::Homology;
 use super::product::{InnerProduct, Metric};
 use super::{Condition, DesignError};
 use crate::cochain::Cochain;
 use crate::limit::LimitSurface;
-use crate::sparse::{Csr, apply, assemble, combination, inner, row_of};
+use crate::sparse::{Cholesky, Csr, apply, assemble, combination, inner, row_of};
 use crate::topology::Mesh;
 
 const FIXED: u32 = u32::MAX;
@@ -105,7 +104,7 @@ impl<'a> Hodge<'a> {
             };
         }
         let matrix = laplacian(mesh, &product.mass, &unknown, count as usize);
-        let laplacian = Cholesky::new(&matrix).map_err(|_| {
+        let laplacian = Cholesky::definite(&matrix).map_err(|_| {
             let diagonal = |i: usize| {
                 let (columns, entries) = row_of(&matrix, i);
                 columns.iter().position(|&j| j as usize == i).map_or(0.0, |at| entries[at])

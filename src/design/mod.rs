@@ -22,10 +22,8 @@
 //! makes the field, [`singularities`] finds its zeros and [`streamlines`] follows it.
 
 mod boundary;
-mod cholesky;
 mod constraints;
 mod file;
-mod fronts;
 mod hodge;
 mod homology;
 mod product;

@@ -1,3 +1,5 @@
+use crate::sparse::NoFactors;
+
 /// Why a system of finite elements cannot be solved.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -11,10 +13,8 @@ pub enum FemError {
         "the system is singular: a face has no area, or the basis is dependent (on triangles that are all regular); mend the cage or take quads"
     )]
     Singular,
-    #[error(
-        "a system of {unknowns} unknowns is too large for its factors: solve it by iteration, or outside"
-    )]
-    TooLarge { unknowns: usize },
+    #[error("the system is too large for its factors: solve it by iteration, or outside")]
+    TooLarge,
     #[error(
         "{found} harmonic {degree}-forms were found where the mesh has {expected}: its masses are not those of a complex, or the surface is degenerate"
     )]
@@ -23,4 +23,13 @@ pub enum FemError {
         "{what} did not converge in {iterations} iterations: the surface is degenerate, or the tolerance too small"
     )]
     NoConvergence { what: &'static str, iterations: usize },
+}
+
+impl From<NoFactors> for FemError {
+    fn from(error: NoFactors) -> Self {
+        match error {
+            NoFactors::Singular => FemError::Singular,
+            NoFactors::TooLarge => FemError::TooLarge,
+        }
+    }
 }

@@ -1,7 +1,6 @@
 use super::complex::HilbertComplex;
-use super::ldlt::Ldlt;
 use super::{FemError, stiffness, transpose};
-use crate::sparse::{Csr, apply, assemble, inner, multiply, row_of};
+use crate::sparse::{Cholesky, Csr, apply, assemble, inner, multiply, row_of};
 
 /// `(Delta + s)^-1`, the resolvent of the Hodge Laplacian `Delta = d delta + delta d` of a degree, with one factorisation.
 ///
@@ -30,7 +29,7 @@ pub struct Resolvent<'a> {
     stiffness: Csr,
     /// The unknowns that are kept at 0.
     pinned: Vec<usize>,
-    factor: Ldlt,
+    factor: Cholesky,
 }
 
 /// A condition from which on nothing is left of a solution.
@@ -103,7 +102,7 @@ impl<'a> Resolvent<'a> {
                 }
             }
         });
-        let factor = Ldlt::new(&matrix)?;
+        let factor = Cholesky::quasi_definite(&matrix)?;
         let resolvent = Resolvent {
             complex,
             degree,
@@ -156,7 +155,7 @@ impl<'a> Resolvent<'a> {
     }
 
     /// An estimate of the condition number, in the 1-norm, of the matrix that was factorised, with lengths in units of
-    /// the mesh: a lower bound ([`Ldlt::condition`]).
+    /// the mesh: a lower bound ([`Cholesky::condition`]).
     pub fn condition(&self) -> f64 {
         self.factor.condition()
     }
@@ -177,7 +176,7 @@ impl<'a> Resolvent<'a> {
         for x in right.iter_mut() {
             self.pinned.iter().for_each(|&i| x[i] = 0.0);
         }
-        self.factor.solve(right);
+        self.factor.solve_all(right);
     }
 
     /// `w -> (Delta + s)^-1 w` for several forms: pairs `(sigma, w)` in units of the mesh, from `M_k w`.

@@ -4,9 +4,12 @@
 //! `S0`, `S1`, `S2`) is a [`Csr`] matrix, filled row by row through [`assemble`]. Rows are independent
 //! of each other, so the result is bitwise the same for any number of threads.
 
+mod cholesky;
 mod exceptions;
+mod fronts;
 mod quantity;
 
+pub use cholesky::{Cholesky, NoFactors};
 pub use exceptions::Exceptions;
 pub use quantity::{Quantity, Value};
 

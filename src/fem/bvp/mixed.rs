@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::solve::{Kept, difference, norm};
 use super::{BoundaryProblem, Data, Operator};
 use crate::cochain::Cochain;
-use crate::fem::{Elements, FemError, Ldlt, stiffness, transpose};
+use crate::fem::{Elements, FemError, stiffness, transpose};
 use crate::limit::Taylor;
-use crate::sparse::{apply, assemble, multiply, row_of};
+use crate::sparse::{Cholesky, apply, assemble, multiply, row_of};
 use crate::topology::HalfEdge;
 
 /// `Delta w = f` for 1-forms with `sigma = delta w` as an unknown of its own, and `*w` and `*dw` prescribed on the
@@ -34,7 +34,7 @@ pub struct MixedSolution {
     pub unknowns: usize,
     /// `|b - A x| / |b|`.
     pub residual: f64,
-    /// An estimate of its condition number ([`Ldlt::condition`]).
+    /// An estimate of its condition number ([`Cholesky::condition`]).
     pub condition: f64,
 }
 
@@ -98,15 +98,14 @@ impl<'a, 'e> MixedProblem<'a, 'e> {
                 }
             })
         };
-        let (matrix, factors) = (system(0.0), Ldlt::new(&system(shift))?);
+        let (matrix, factors) = (system(0.0), Cholesky::quasi_definite(&system(shift))?);
         let mut right = vertices.vector(&elements.gather_vector(0, |face| self.natural(face, data)));
         right.extend(edges.vector(&elements.gather_vector(1, |face| self.load(face, data))));
         let (mut x, mut left, size) = (vec![0.0; below + n], right.clone(), norm(&right));
         let (mut steps, mut before) = (0, f64::INFINITY);
         loop {
-            let mut step = [left];
-            factors.solve(&mut step);
-            x.iter_mut().zip(&step[0]).for_each(|(x, s)| *x += s);
+            let step = factors.solve(left);
+            x.iter_mut().zip(&step).for_each(|(x, s)| *x += s);
             left = difference(&right, &apply(&matrix, &x));
             steps += 1;
             let relative = norm(&left) / size.max(f64::MIN_POSITIVE);

@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::{BoundaryProblem, Data, Imposed, Local};
 use crate::cochain::Cochain;
-use crate::fem::{Elements, FemError, Ldlt};
+use crate::fem::{Elements, FemError};
 use crate::limit::Taylor;
-use crate::sparse::{Csr, apply, assemble, inner, row_of};
+use crate::sparse::{Cholesky, Csr, apply, assemble, inner, row_of};
 use crate::topology::HalfEdge;
 
 /// A solution of a boundary value problem.
@@ -19,7 +19,7 @@ pub struct Solved {
     pub unknowns: usize,
     /// `|b - A x| / |b|` of the last system that was solved.
     pub residual: f64,
-    /// An estimate of the condition number of that system ([`Ldlt::condition`]).
+    /// An estimate of the condition number of that system ([`Cholesky::condition`]).
     pub condition: f64,
     /// How far the traces are from what was imposed strongly, relative; 0 for other ways.
     pub off: f64,
@@ -175,13 +175,11 @@ impl BoundaryProblem<'_, '_> {
                 }
             };
             let all = sum(&energy, &traces, factor);
-            let factors = Ldlt::new(&all)?;
+            let factors = Cholesky::quasi_definite(&all)?;
             let mut right: Vec<f64> = load.iter().zip(&wanted).map(|(a, b)| a + factor * b).collect();
             let (mut steps, mut best) = (0, f64::INFINITY);
             loop {
-                let mut x = [right.clone()];
-                factors.solve(&mut x);
-                let [x] = x;
+                let x = factors.solve(right.clone());
                 let image = apply(&all, &x);
                 let residual = norm(&difference(&right, &image)) / norm(&right).max(f64::MIN_POSITIVE);
                 if let Imposed::Penalty(_) = imposed {
@@ -294,10 +292,8 @@ pub fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// The solution of a definite system, and what is left over.
 fn solve(matrix: &Csr, right: &[f64]) -> Result<(Vec<f64>, f64, f64), FemError> {
-    let mut x = [right.to_vec()];
-    let factors = Ldlt::new(matrix)?;
-    factors.solve(&mut x);
-    let [x] = x;
+    let factors = Cholesky::quasi_definite(matrix)?;
+    let x = factors.solve(right.to_vec());
     let left = norm(&difference(right, &apply(matrix, &x))) / norm(right).max(f64::MIN_POSITIVE);
     match left.is_finite() {
         true => Ok((x, left, factors.condition())),

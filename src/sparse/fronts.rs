@@ -25,6 +25,15 @@ struct Front {
     weight: usize,
 }
 
+/// Where the diagonal is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Diagonal {
+    /// Half of it on either side, `L L'`.
+    Shared,
+    /// In the middle, `L D L'`: that of `L` is 1, and `D` is stored in its place.
+    Apart,
+}
+
 /// Branches with fewer entries than this are not worth another thread.
 const SMALL: usize = 200_000;
 
@@ -92,12 +101,12 @@ impl Fronts {
         (covered == pattern.nrows()).then_some(fronts)
     }
 
-    /// `L L' x = b` in place.
-    pub fn solve(&self, values: &[f64], x: &mut [f64]) {
+    /// `L L' x = b` or `L D L' x = b` in place.
+    pub fn solve(&self, values: &[f64], diagonal: Diagonal, x: &mut [f64]) {
         let branches = self.branches(&self.roots, 0, x);
         branches.into_par_iter().for_each(|(s, own)| {
-            self.forward(values, s, own);
-            self.backward(values, s, own, &[]);
+            self.forward(values, diagonal, s, own);
+            self.backward(values, diagonal, s, own, &[]);
         });
     }
 
@@ -115,11 +124,11 @@ impl Fronts {
     }
 
     /// Solves with `L` on a branch; what that takes off the rows below it, nothing if all is 0.
-    fn forward(&self, values: &[f64], s: u32, own: &mut [f64]) -> Vec<f64> {
+    fn forward(&self, values: &[f64], diagonal: Diagonal, s: u32, own: &mut [f64]) -> Vec<f64> {
         let front = &self.list[s as usize];
         let (below, mine) = own.split_at_mut(front.begin - front.first);
         let branches = self.branches(&front.children, front.first, below);
-        let updates = self.map(front, branches, |(child, own)| self.forward(values, child, own));
+        let updates = self.map(front, branches, |(child, own)| self.forward(values, diagonal, child, own));
         let columns = mine.len();
         let mut update = Vec::new();
         for (&child, from_child) in front.children.iter().zip(&updates) {
@@ -142,8 +151,10 @@ impl Fronts {
                 continue;
             }
             let column = &values[front.values + j * height..][..height];
-            let x = mine[j] / column[j];
-            mine[j] = x;
+            if diagonal == Diagonal::Shared {
+                mine[j] /= column[j];
+            }
+            let x = mine[j];
             mine[j + 1..].iter_mut().zip(&column[j + 1..columns]).for_each(|(y, l)| *y -= l * x);
             if update.is_empty() {
                 update.resize(front.num_rows, 0.0);
@@ -154,7 +165,7 @@ impl Fronts {
     }
 
     /// Solves with `L'` on a branch, from the values at the rows below it.
-    fn backward(&self, values: &[f64], s: u32, own: &mut [f64], above: &[f64]) {
+    fn backward(&self, values: &[f64], diagonal: Diagonal, s: u32, own: &mut [f64], above: &[f64]) {
         let front = &self.list[s as usize];
         let (below, mine) = own.split_at_mut(front.begin - front.first);
         let columns = mine.len();
@@ -162,7 +173,10 @@ impl Fronts {
         for j in (0..columns).rev() {
             let column = &values[front.values + j * height..][..height];
             let sum = inner(&column[j + 1..columns], &mine[j + 1..]) + inner(&column[columns..], above);
-            mine[j] = (mine[j] - sum) / column[j];
+            mine[j] = match diagonal {
+                Diagonal::Shared => (mine[j] - sum) / column[j],
+                Diagonal::Apart => mine[j] / column[j] - sum,
+            };
         }
         let mine = &*mine;
         let branches = self.branches(&front.children, front.first, below);
@@ -173,7 +187,7 @@ impl Fronts {
                 None => mine[place as usize],
                 Some(row) => above[row],
             };
-            self.backward(values, child, own, &places.iter().map(at).collect::<Vec<_>>());
+            self.backward(values, diagonal, child, own, &places.iter().map(at).collect::<Vec<_>>());
         });
     }
 
