@@ -59,16 +59,21 @@ fn assert_composed(name: &str, cage: &Cage, scheme: Scheme) {
 
 #[test]
 fn composed_operators_are_products() {
-    for shape in shapes("catmark").unwrap_or_default() {
-        assert_composed(&shape.name, &cage(&shape), Scheme::default());
+    // Products of large shapes take minutes and show nothing else.
+    let small = |family: &str| {
+        let cages = shapes(family).unwrap_or_default().into_iter().map(|shape| (cage(&shape), shape.name));
+        cages.filter(|(cage, _)| cage.descriptor().face_sizes.len() <= 64).collect::<Vec<_>>()
+    };
+    for (cage, name) in small("catmark") {
+        assert_composed(&name, &cage, Scheme::default());
     }
-    for shape in shapes("loop").unwrap_or_default() {
+    for (cage, name) in small("loop") {
         for scheme in triangle_schemes() {
-            assert_composed(&shape.name, &cage(&shape), scheme);
+            assert_composed(&name, &cage, scheme);
         }
     }
-    for shape in shapes("bilinear").unwrap_or_default() {
-        assert_composed(&shape.name, &cage(&shape), Scheme::Bilinear);
+    for (cage, name) in small("bilinear") {
+        assert_composed(&name, &cage, Scheme::Bilinear);
     }
     // Polygons, creases that decay, an isolated vertex, irregular triangles; a valence that is searched.
     let mut alone = meshes::cut_grid(6, 6, false, &[1, 3, 7, 2, 5, 4, 6].repeat(6)[..36]);
