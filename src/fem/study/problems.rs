@@ -21,9 +21,10 @@ pub const NAMES: &[&str] = &[
 
 /// (5.27).
 const I: [&str; 2] = ["cos(2*pi*x) - sin(4*pi*y)", "cos(2*pi*x) + sin(4*pi*x)"];
-/// (5.30).
+/// (5.30), recovered: with this form all errors are those of an independent computation of the thesis' problem, in every
+/// digit that has.
 const II: [&str; 2] = ["sin(4*pi*x)", "cos(2*pi*y)"];
-/// (5.32), as printed, and without its `+ y`.
+/// (5.32), recovered in the same way, and without its `+ y`: its determinant is between 0.6875 and 1.3125.
 const F: [&str; 2] = ["x + y + sin(pi*y)/(4*pi)", "y + sin(pi*x)/(4*pi)"];
 const F_SYMMETRIC: [&str; 2] = ["x + sin(pi*y)/(4*pi)", "y + sin(pi*x)/(4*pi)"];
 /// (5.38).
