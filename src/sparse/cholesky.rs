@@ -65,40 +65,23 @@ impl Cholesky {
         let symbolic =
             factorize_symbolic_cholesky(pattern, Side::Upper, ordering, CholeskySymbolicParams::default())
                 .map_err(|_| NoFactors::TooLarge)?;
-        let matrix_ref = SparseColMatRef::new(pattern, matrix.data());
+        let (a, up, seq) = (SparseColMatRef::new(pattern, matrix.data()), Side::Upper, Par::Seq);
         let mut values = vec![0.0; symbolic.len_val()];
+        let request = match diagonal {
+            Diagonal::Shared => symbolic.factorize_numeric_llt_scratch::<f64>(seq, Default::default()),
+            Diagonal::Apart => symbolic.factorize_numeric_ldlt_scratch::<f64>(seq, Default::default()),
+        };
+        let mut memory = MemBuffer::new(request);
+        let (stack, l) = (MemStack::new(&mut memory), &mut values);
+        // Without regularisation: what has no factors is refused.
         let done = match diagonal {
             Diagonal::Shared => {
-                let request = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-                let mut memory = MemBuffer::new(request);
-                let (stack, none) = (MemStack::new(&mut memory), LltRegularization::default());
-                symbolic
-                    .factorize_numeric_llt(
-                        &mut values,
-                        matrix_ref,
-                        Side::Upper,
-                        none,
-                        Par::Seq,
-                        stack,
-                        Default::default(),
-                    )
-                    .is_ok()
+                let none = LltRegularization::default();
+                symbolic.factorize_numeric_llt(l, a, up, none, seq, stack, Default::default()).is_ok()
             }
             Diagonal::Apart => {
-                let request = symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default());
-                let mut memory = MemBuffer::new(request);
-                let (stack, none) = (MemStack::new(&mut memory), LdltRegularization::default());
-                symbolic
-                    .factorize_numeric_ldlt(
-                        &mut values,
-                        matrix_ref,
-                        Side::Upper,
-                        none,
-                        Par::Seq,
-                        stack,
-                        Default::default(),
-                    )
-                    .is_ok()
+                let none = LdltRegularization::default();
+                symbolic.factorize_numeric_ldlt(l, a, up, none, seq, stack, Default::default()).is_ok()
             }
         };
         if !done || values.iter().any(|x| !x.is_finite()) {
