@@ -111,9 +111,10 @@ fn inside<T: Quantity>(
 ) {
     let (odd, inner) = (&mut odd[..16], &mut inner[..8]);
     // Scaled once: X, Y by 1/16 and U by 1/64.
-    let o = [0, 1, 2, 3].map(|i| o[i].scale(1.0 / 16.0));
-    let a = [0, 1, 2, 3].map(|i| halves[sides[i].index()].scale(-1.0 / 16.0));
-    let b = [0, 1, 2, 3].map(|i| halves[sides[i].twin().index()].scale(1.0 / 16.0));
+    let a = |i: usize| halves[sides[i].index()].scale(-1.0 / 16.0);
+    let b = |i: usize| halves[sides[i].twin().index()].scale(1.0 / 16.0);
+    let o = |i: usize| o[i].scale(1.0 / 16.0);
+    let (a, b, o) = ([a(0), a(1), a(2), a(3)], [b(0), b(1), b(2), b(3)], [o(0), o(1), o(2), o(3)]);
     let u = |o: T, difference: T| o.scale(1.5) + difference.scale(0.25);
     let (mut sum, mut x, mut y) = (a, a, a);
     for i in 0..4 {
@@ -122,17 +123,17 @@ fn inside<T: Quantity>(
         x[i] = o[i] + b[previous];
         y[i] = o[previous] - a[i];
     }
-    let (sum3, x3, y3) = (sum.map(|u| u.scale(3.0)), x.map(|x| x.scale(3.0)), y.map(|y| y.scale(3.0)));
+    let three = |x: T| x.scale(3.0);
     for i in 0..4 {
         let (next, behind, previous) = ((i + 1) % 4, (i + 2) % 4, (i + 3) % 4);
-        odd[4 * i + next] = x[next] - y3[i];
-        odd[4 * i + behind] = y[previous] - x3[i];
-        inner[2 * i] = sum[behind] - sum3[i];
-        if let Some(beyond) = across(sides[i]) {
-            let [a, b, o] = beyond.map(|value| value.scale(1.0 / 16.0));
-            odd[4 * i + i] = x3[i] + (a - o);
-            odd[4 * next + i] = y3[next] - (o + b);
-            inner[2 * i + 1] = sum3[i] - u(o, b - a);
+        odd[4 * i + next] = x[next] - three(y[i]);
+        odd[4 * i + behind] = y[previous] - three(x[i]);
+        inner[2 * i] = sum[behind] - three(sum[i]);
+        if let Some([a, b, o]) = across(sides[i]) {
+            let (a, b, o) = (a.scale(1.0 / 16.0), b.scale(1.0 / 16.0), o.scale(1.0 / 16.0));
+            odd[4 * i + i] = three(x[i]) + (a - o);
+            odd[4 * next + i] = three(y[next]) - (o + b);
+            inner[2 * i + 1] = three(sum[i]) - u(o, b - a);
         }
     }
 }

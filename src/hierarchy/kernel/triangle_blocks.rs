@@ -25,7 +25,7 @@ use crate::cochain::Quantity;
 use crate::hierarchy::refinement::{NONE, Refinement};
 use crate::topology::{HalfEdge, Mesh};
 
-/// A 1-cochain on the children of the triangles of a level.
+/// A 1-cochain on the children of the triangles of a level; read divided by 32.
 struct Children<'a, T> {
     corners: &'a [HalfEdge],
     lefts: &'a [u32],
@@ -36,32 +36,28 @@ struct Children<'a, T> {
 }
 
 impl<T: Quantity> Children<'_, T> {
-    #[inline]
+    #[inline(always)]
     fn a(&self, corner: u32) -> T {
-        self.halves[self.corners[corner as usize].index()].negate_if(true)
+        self.halves[self.corners[corner as usize].index()].scale(-1.0 / 32.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn b(&self, corner: u32) -> T {
-        self.halves[self.corners[corner as usize].twin().index()]
+        self.halves[self.corners[corner as usize].twin().index()].scale(1.0 / 32.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn o(&self, corner: u32) -> T {
-        self.inside[corner as usize]
+        self.inside[corner as usize].scale(1.0 / 32.0)
     }
 
-    /// `a'_{t+1}`, `o'_{t+1}`, `o'_t`, `b'_{t-1}` of the triangle in which the side has corner `t`.
-    #[inline]
-    fn across(&self, t: u32) -> [T; 4] {
-        [self.a(next(t)), self.o(next(t)), self.o(t), self.b(previous(t))]
+    #[inline(always)]
+    fn across(&self, corner: u32) -> [T; 4] {
+        match self.lefts[self.corners[corner as usize].twin().index()] {
+            t if t == NONE.0 => [T::zero(); 4],
+            t => [self.a(next(t)), self.o(next(t)), self.o(t), self.b(previous(t))],
+        }
     }
-}
-
-/// The child of the triangle of a corner at that corner.
-#[inline]
-fn child_at(corner: u32) -> usize {
-    (corner + corner / 3) as usize
 }
 
 /// `above` is the level above the parent.
@@ -83,133 +79,111 @@ pub fn form1<T: Quantity>(
         let spokes = above.vertex_half_edges(v as u32).iter();
         *out = spokes.fold(T::zero(), |sum, &h| sum + halves[h.index()]).scale(-1.0 / 16.0);
     });
-    let curl = &mut workspace.faces;
-    curl.resize(4 * above.num_faces(), T::zero());
+    // What each corner gives to the four children of the side that it names.
+    let sides = &mut workspace.faces;
+    sides.resize(4 * num_corners, T::zero());
 
     let (odd, even) = out.split_at_mut(4 * num_corners);
     let (inner, outer) = even.split_at_mut(2 * num_corners);
     let chunks = odd.par_chunks_mut(12 * BLOCK).zip(inner.par_chunks_mut(6 * BLOCK));
-    chunks.zip(curl.par_chunks_mut(4 * BLOCK)).enumerate().for_each(|(i, ((odd, inner), curl))| {
+    chunks.zip(sides.par_chunks_mut(12 * BLOCK)).enumerate().for_each(|(i, ((odd, inner), sides))| {
         let first = 3 * BLOCK * i;
-        let faces = odd.chunks_exact_mut(12).zip(inner.chunks_exact_mut(6)).zip(curl.chunks_exact_mut(4));
-        for (f, ((odd, inner), curl)) in faces.enumerate() {
-            within(&k, (first + 3 * f) as u32, odd, inner, curl);
+        let faces = odd.chunks_exact_mut(12).zip(inner.chunks_exact_mut(6)).zip(sides.chunks_exact_mut(12));
+        for (f, ((odd, inner), sides)) in faces.enumerate() {
+            within(&k, (first + 3 * f) as u32, odd, inner, sides);
         }
         patch(r, c, 4 * first, odd);
         patch(r, c, 4 * num_corners + 2 * first, inner);
     });
 
-    let curl = &curl[..];
+    let (sides, _) = sides.as_chunks::<4>();
     outer.par_chunks_mut(4 * BLOCK).enumerate().for_each(|(i, out)| {
         let first = BLOCK * i;
-        for (e, out) in out.chunks_exact_mut(4).enumerate() {
-            let e = first + e;
-            let (left, right) = (k.lefts[2 * e], k.lefts[2 * e + 1]);
+        let edges = above.edges()[first..].iter().zip(k.lefts[2 * first..].as_chunks::<2>().0);
+        let edges = edges.zip(halves[2 * first..].as_chunks::<2>().0);
+        for (out, ((ends, &[left, right]), own)) in out.as_chunks_mut::<4>().0.iter_mut().zip(edges) {
             if left != NONE.0 && right != NONE.0 {
-                let ends = above.edges()[e].map(|v| at_vertices[v as usize]);
-                along_edge(&k, curl, e, [left, right], ends, out);
+                // Seen from either end, its own face is the one on the left of the half that leaves it.
+                let (left, right) = (sides[left as usize], sides[right as usize]);
+                let at_m = (own[0] + own[1]).scale(1.0 / 16.0);
+                for (end, (l, r)) in [(left, right), (right, left)].into_iter().enumerate() {
+                    let half = own[end].scale(0.5);
+                    out[2 * end] = at_m - half + (l[0] + r[2]);
+                    out[2 * end + 1] = at_vertices[ends[end] as usize] + half + (l[1] + r[3]);
+                }
             }
         }
         patch(r, c, 6 * num_corners + 4 * first, out);
     });
 }
 
-/// The child edges inside a triangle of the level above, the first of whose corners is given: 12 in its four
-/// children, 6 halves of those that part them; and the curl of the children.
-#[inline(always)]
-fn within<T: Quantity>(k: &Children<T>, first: u32, odd: &mut [T], inner: &mut [T], curl: &mut [T]) {
-    let (odd, inner, curl) = (&mut odd[..12], &mut inner[..6], &mut curl[..4]);
-    let at = |i: usize| first + i as u32;
-    let a = [k.a(at(0)), k.a(at(1)), k.a(at(2))];
-    let b = [k.b(at(0)), k.b(at(1)), k.b(at(2))];
-    let o = [k.o(at(0)), k.o(at(1)), k.o(at(2))];
-    let zero = T::zero();
-    let (mut d, mut h_inner, mut h_a, mut h_b, mut at_m) =
-        ([zero; 3], [zero; 3], [zero; 3], [zero; 3], [zero; 3]);
-    let (mut beyond_a, mut beyond_b) = ([zero; 3], [zero; 3]);
-    let mut open = [false; 3];
-    for i in 0..3 {
-        let (n, p) = ((i + 1) % 3, (i + 2) % 3);
-        d[i] = a[i] + o[i] + b[p];
-        h_inner[i] = (b[p] - a[i] + o[p] - o[n]).scale(1.0 / 16.0);
-        let t = k.lefts[k.corners[at(i) as usize].twin().index()];
-        open[i] = t == NONE.0;
-        if t != NONE.0 {
-            let [a1, o1, o0, b2] = k.across(t);
-            h_a[i] = (o[i] - b[p] + a1 - o1).scale(1.0 / 16.0);
-            h_b[i] = (a[n] - o[n] + o0 - b2).scale(1.0 / 16.0);
-            at_m[i] = (b[i] - a[i] + o[i] - o[n] + o0 - o1).scale(1.0 / 16.0);
-            beyond_a[i] = a1 + o1 - a[i];
-            beyond_b[i] = o0 + b2 - b[i];
-        }
-    }
-    let middle = zero - (o[0] + o[1] + o[2]);
-    curl[..3].copy_from_slice(&d);
-    curl[3] = middle;
-    // m_before -> m_after of an odd child edge, from its sides, their displacements, its face and those across.
-    let odd_edge = |[on, leave, reach]: [T; 3], h: T, own: T, others: T| {
-        (on - leave - reach).scale(0.25) + h + (own.scale(2.0) - others).scale(1.0 / 32.0)
-    };
-    for i in 0..3 {
-        let (n, p) = ((i + 1) % 3, (i + 2) % 3);
-        // The child at v_i: sides a_i, o_i, b_{i-1}. At its corner i, leaving a_i and reached by b_{i-1}, ..
-        if !open[i] && !open[p] {
-            odd[3 * i + i] = odd_edge([o[i], a[i], b[p]], h_b[p] - h_a[i], d[i], beyond_a[i] + beyond_b[p]);
-        }
-        // .. at m_i, leaving o_i and reached by a_i, ..
-        if !open[i] {
-            odd[3 * i + n] = odd_edge([b[p], o[i], a[i]], h_a[i] - h_inner[i], d[i], middle + beyond_a[i]);
-        }
-        // .. at m_{i-1}, leaving b_{i-1} and reached by o_i.
-        if !open[p] {
-            odd[3 * i + p] = odd_edge([a[i], b[p], o[i]], h_inner[i] - h_b[p], d[i], beyond_b[p] + middle);
-        }
-        // The middle runs against o: its corner j lies at m_{j+1}, leaving o_{j+2} and reached by o_{j+1}.
-        let (leave, reach, on) = (zero - o[p], zero - o[n], zero - o[i]);
-        odd[9 + i] = odd_edge([on, leave, reach], h_inner[n] - h_inner[p], middle, d[n] + d[p]);
-
-        // The halves of o_i: to m_i, and to m_{i-1}.
-        let turn = (d[i] - middle).scale(3.0);
-        let half = o[i].scale(0.5) - turn.scale(1.0 / 32.0);
-        if !open[i] {
-            inner[2 * i] = at_m[i] - h_inner[i] - half + (beyond_a[i] - d[n]).scale(1.0 / 32.0);
-        }
-        if !open[p] {
-            inner[2 * i + 1] = at_m[p] - h_inner[i] + half + (d[p] - beyond_b[p]).scale(1.0 / 32.0);
-        }
-    }
+/// Around a triangle of the level above: what its three sides have on either side of them, all divided by 32.
+struct Around<T> {
+    a: [T; 3],
+    b: [T; 3],
+    o: [T; 3],
+    /// `a'_{t+1}`, `o'_{t+1}`, `o'_t`, `b'_{t-1}` across each side; zero if there is nothing.
+    across: [[T; 4]; 3],
+    /// The curl of the child at each corner.
+    d: [T; 3],
+    /// That of the child in the middle.
+    middle: T,
 }
 
-/// The four children of the halves of edge `e` of the level above, `left` and `right` its corners and `ends` the
-/// displacements of the children of its vertices.
+/// The child edges inside a triangle of the level above, the first of whose corners is given: 12 in its four
+/// children, 6 halves of those that part them; and for each side what it gives to its children. Where the triangle
+/// across is missing they are exceptions, and what is written here stands for nothing.
 #[inline(always)]
-fn along_edge<T: Quantity>(
-    k: &Children<T>,
-    curl: &[T],
-    e: usize,
-    [left, right]: [u32; 2],
-    ends: [T; 2],
-    out: &mut [T],
-) {
-    let middle = |corner: u32| curl[4 * (corner as usize / 3) + 3];
-    let own = [k.halves[2 * e], k.halves[2 * e + 1]];
-    let (o_left, o_right) = ([k.o(left), k.o(next(left))], [k.o(right), k.o(next(right))]);
-    let spokes = own[0] + own[1] + o_left[0] - o_left[1] + o_right[0] - o_right[1];
-    let at_m = spokes.scale(1.0 / 16.0);
-    // Seen from end 0, `l` is the corner there of the face on the left of e; from end 1 the faces change places.
-    let both = [(left, right, o_left, o_right), (right, left, o_right, o_left)];
-    for (end, (l, r, o_l, o_r)) in both.into_iter().enumerate() {
-        let h = (o_l[0] - k.b(previous(l)) + k.a(next(r)) - o_r[1]).scale(1.0 / 16.0);
-        // m -> v has the child of the right face on its left.
-        let turn = (curl[child_at(next(r))] - curl[child_at(l)]).scale(3.0);
-        let half = own[end].scale(0.5) - turn.scale(1.0 / 32.0);
-        out[2 * end] = at_m - h - half + (middle(r) - middle(l)).scale(1.0 / 32.0);
-        let across = |corner: u32| k.lefts[k.corners[corner as usize].twin().index()];
-        let (before, behind) = (across(previous(l)), across(next(r)));
-        if before != NONE.0 && behind != NONE.0 {
-            // Round v, counter-clockwise beyond the left face, and clockwise beyond the right one.
-            let turn = curl[child_at(before)] - curl[child_at(next(behind))];
-            out[2 * end + 1] = ends[end] - h + half + turn.scale(1.0 / 32.0);
-        }
+fn within<T: Quantity>(k: &Children<T>, first: u32, odd: &mut [T], inner: &mut [T], sides: &mut [T]) {
+    let [i, j, l] = [first, first + 1, first + 2];
+    let (a, b, o) = ([k.a(i), k.a(j), k.a(l)], [k.b(i), k.b(j), k.b(l)], [k.o(i), k.o(j), k.o(l)]);
+    let d = [a[0] + o[0] + b[2], a[1] + o[1] + b[0], a[2] + o[2] + b[1]];
+    let middle = T::zero() - (o[0] + o[1] + o[2]);
+    let t = Around { a, b, o, across: [k.across(i), k.across(j), k.across(l)], d, middle };
+    let odd = odd.first_chunk_mut().expect("12 edges");
+    let inner = inner.first_chunk_mut().expect("6 halves");
+    let sides = sides.first_chunk_mut().expect("4 values for each side");
+    t.third([0, 1, 2], odd, inner, sides);
+    t.third([1, 2, 0], odd, inner, sides);
+    t.third([2, 0, 1], odd, inner, sides);
+}
+
+impl<T: Quantity> Around<T> {
+    /// What belongs to corner `i`, the next one `n` and the previous one `p`.
+    ///
+    /// The row of an odd child edge cuts the corner between the half-edges `e_j` and `e_{j-1}` of its face; with the
+    /// curl `D` of the face, and `x`, `y` the half-edges after and before the twin of `e_j` in the face beyond, `z`, `w`
+    /// those of `e_{j-1}`, it is `9 e_{j+1} - 3 D + (y - 3 x) + (z - 3 w)`.
+    #[inline(always)]
+    fn third(&self, [i, n, p]: [usize; 3], odd: &mut [T; 12], inner: &mut [T; 6], sides: &mut [T; 12]) {
+        let Around { a, b, o, across, d, middle } = self;
+        let three = |x: T| x.scale(3.0);
+        let nine = |x: T| x.scale(9.0);
+        let two = |x: T| x + x;
+        // Across side i, and across side p.
+        let ([a1, o1, o0, _], [_, _, o2, b2]) = (across[i], across[p]);
+        let d3 = three(d[i]);
+
+        // The child at v_i: a_i, o_i, b_p. At v_i, at m_i and at m_p.
+        odd[3 * i + i] = nine(o[i]) - d3 + (o1 - three(a1)) + (o2 - three(b2));
+        odd[3 * i + n] = nine(b[p]) - d3 + (three(o[n]) - o[p]) + (a1 - three(o1));
+        odd[3 * i + p] = nine(a[i]) - d3 + (b2 - three(o2)) + (three(o[p]) - o[n]);
+        // The middle runs against o: at m_n it leaves o_p and is reached by o_n.
+        odd[9 + i] = (a[p] - three(b[n])) + (b[i] - three(a[n])) - nine(o[i]) - three(*middle);
+
+        // The half of o_i at m_i, and that at m_p: spokes of the one and of the other, then their rims.
+        let spokes = two(a[i] + o[n] + o0) + b[i] - o1 - o[i].scale(8.0);
+        inner[2 * i] = spokes + (b[p] + a1) - (a[n] - o[p]);
+        let [_, o1, o0, b2] = across[p];
+        let spokes = o[i].scale(8.0) - two(o[p] + o1 + b[p]) - a[p] + o0;
+        inner[2 * i + 1] = spokes + (b[n] - o[n]) - (b2 + a[i]);
+
+        // Side i: at v_i the child next to its midpoint and the one next to v_i, then the two at v_n.
+        let there = three(d[n]);
+        let [a3, o3, ..] = across[n];
+        sides[4 * i] = two(b[p] - o[n]) - d3 - *middle;
+        sides[4 * i + 1] = two(b[p] - o[i]) + d3 + (o0 + b2 - b[p]);
+        sides[4 * i + 2] = two(o[i] - a[n]) + there + *middle;
+        sides[4 * i + 3] = two(o[n] - a[n]) - there - (a3 + o3 - a[n]);
     }
 }
