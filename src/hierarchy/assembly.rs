@@ -1,9 +1,11 @@
-//! The operators as matrices: the rows of regular cells, of known length, are written straight to their place
-//! between those of the exceptions.
+//! The rows of the operators, and the operators as matrices: the rows of regular cells, of known length, are written
+//! straight to their place between those of the exceptions.
+
+use std::borrow::Cow;
 
 use super::refinement::Refinement;
 use crate::scheme::Regular;
-use crate::sparse::{Csr, Exceptions, assemble, assemble_in_place};
+use crate::sparse::{Csr, Exceptions, assemble_in_place};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, SplitKind};
 
 /// The most terms of a regular row. Centres of larger polygons count as exceptions.
@@ -11,7 +13,7 @@ const LONGEST: usize = 10;
 
 /// The terms of a regular row, in any order, no column twice.
 #[derive(Default)]
-struct Terms {
+pub struct Terms {
     columns: [u32; LONGEST],
     weights: [f64; LONGEST],
     len: usize,
@@ -44,7 +46,56 @@ impl Terms {
     }
 }
 
+/// The rows of an operator, one at a time.
+pub trait Rows: Sync {
+    /// The columns of a row, none twice, in any order, and their weights. `terms` may be where they are kept.
+    fn get<'t>(&'t self, row: usize, terms: &'t mut Terms) -> (&'t [u32], &'t [f64]);
+}
+
+/// The rows of the exceptions, and for the others what `regular` gives: `length` terms in any order.
+struct Mixed<'a, Length, Fill> {
+    shape: (usize, usize),
+    exceptions: Cow<'a, Exceptions>,
+    length: Length,
+    regular: Fill,
+}
+
+impl<Length: Sync, Fill: Fn(usize, &mut Terms) + Sync> Rows for Mixed<'_, Length, Fill> {
+    #[inline]
+    fn get<'t>(&'t self, row: usize, terms: &'t mut Terms) -> (&'t [u32], &'t [f64]) {
+        self.exceptions.get(row).unwrap_or_else(|| {
+            terms.len = 0;
+            (self.regular)(row, terms);
+            (&terms.columns[..terms.len], &terms.weights[..terms.len])
+        })
+    }
+}
+
+/// The rows of `S` of a degree.
+pub fn rows<'a>(r: &'a Refinement, parent: &'a Mesh, degree: usize) -> Box<dyn Rows + 'a> {
+    match degree {
+        0 => Box::new(rows_of_s0(r, parent)),
+        1 => Box::new(rows_of_s1(r, parent)),
+        _ => Box::new(rows_of_s2(r, parent)),
+    }
+}
+
 pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
+    rows_of_s0(r, parent).matrix()
+}
+
+pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
+    rows_of_s1(r, parent).matrix()
+}
+
+pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
+    rows_of_s2(r, parent).matrix()
+}
+
+fn rows_of_s0<'a>(
+    r: &'a Refinement,
+    parent: &'a Mesh,
+) -> Mixed<'a, impl Fn(usize) -> usize, impl Fn(usize, &mut Terms) + Sync> {
     let shape = (r.split.num_children(0), parent.num_vertices());
     let exceptions = Exceptions::collect(
         shape,
@@ -61,38 +112,50 @@ pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
         Regular::Catmark => [9, 6],
         Regular::Loop => [7, 4],
     };
-    let length = |vertex| match r.split.vertex_parent(vertex) {
+    let length = move |vertex| match r.split.vertex_parent(vertex) {
         Parent::Vertex(_) => at_vertex,
         Parent::Edge(_) => at_edge,
         Parent::Face(f) => parent.face_size(f),
     };
-    fill(shape, &exceptions, length, |vertex, terms| {
+    let regular = move |vertex, terms: &mut Terms| {
         regular.s0(parent, r.split.vertex_parent(vertex), |v, weight| terms.push(v, weight));
-    })
+    };
+    Mixed { shape, exceptions: Cow::Owned(exceptions), length, regular }
 }
 
-pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
+fn rows_of_s1<'a>(
+    r: &'a Refinement,
+    parent: &'a Mesh,
+) -> Mixed<'a, impl Fn(usize) -> usize, impl Fn(usize, &mut Terms) + Sync> {
     let shape = (r.split.num_children(1), parent.num_edges());
     let (regular, kind) = (r.homotopy.regular, r.split.kind());
-    let [even, odd] = match regular {
-        Regular::Whitney => return assemble(shape, |edge, row| r.add_s1_row(parent, edge, 1.0, row)),
-        Regular::Catmark => [6, 4],
-        Regular::Loop => [10, 7],
+    let (exceptions, [even, odd]) = match regular {
+        // Of any length.
+        Regular::Whitney => {
+            let all = Exceptions::collect(shape, |_| true, |edge, row| r.add_s1_row(parent, edge, 1.0, row));
+            (Cow::Owned(all), [0, 0])
+        }
+        Regular::Catmark => (Cow::Borrowed(&r.s1_exceptions), [6, 4]),
+        Regular::Loop => (Cow::Borrowed(&r.s1_exceptions), [10, 7]),
     };
     let num_odd = parent.num_corners();
-    let length = |edge| if edge < num_odd { odd } else { even };
+    let length = move |edge| if edge < num_odd { odd } else { even };
     let continued = |h: HalfEdge| r.continued(h);
-    fill(shape, &r.s1_exceptions, length, |edge, terms| {
+    let regular = move |edge, terms: &mut Terms| {
         // Said twice, so that each branch is compiled for its own kind of row.
         let push = |h: HalfEdge, weight: f64| terms.push(h.edge(), weight * h.sign());
         match r.split.edge_parent(edge) {
             place @ ChildEdge::Odd(_) => regular.s1(parent, kind, place, continued, push),
             place @ ChildEdge::Even(_) => regular.s1(parent, kind, place, continued, push),
         }
-    })
+    };
+    Mixed { shape, exceptions, length, regular }
 }
 
-pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
+fn rows_of_s2<'a>(
+    r: &'a Refinement,
+    parent: &'a Mesh,
+) -> Mixed<'a, impl Fn(usize) -> usize, impl Fn(usize, &mut Terms) + Sync> {
     let shape = (r.split.num_children(2), parent.num_faces());
     let exceptions = Exceptions::collect(
         shape,
@@ -100,52 +163,50 @@ pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
         |face, row| r.add_s2_row(parent, face, 1.0, row),
     );
     let (regular, kind) = (r.homotopy.regular, r.split.kind());
-    let length = |face: usize| match (regular, kind) {
+    let length = move |face: usize| match (regular, kind) {
         (Regular::Whitney, _) => 1,
         (_, SplitKind::Triangle) if face % 4 != 3 => 5,
         _ => 4,
     };
-    fill(shape, &exceptions, length, |face, terms| {
+    let regular = move |face, terms: &mut Terms| {
         regular.s2(parent, &r.split, face, |f, weight| terms.push(f, weight));
-    })
+    };
+    Mixed { shape, exceptions: Cow::Owned(exceptions), length, regular }
 }
 
-/// The rows of the exceptions, and for the others what `regular` gives, `length` terms in any order.
-fn fill(
-    shape: (usize, usize),
-    exceptions: &Exceptions,
-    length: impl Fn(usize) -> usize,
-    regular: impl Fn(usize, &mut Terms) + Sync,
-) -> Csr {
-    if exceptions.members().len() == shape.0 {
-        return exceptions.rows().clone();
-    }
-    let mut members = exceptions.members().iter().enumerate().peekable();
-    let lengths = (0..shape.0).map(|row| match members.next_if(|(_, member)| **member as usize == row) {
-        Some((position, _)) => exceptions.stored(position).0.len(),
-        None => length(row),
-    });
-    assemble_in_place(shape, lengths, |rows, offsets, columns, weights| {
-        let mut terms = Terms::default();
-        let mut members = exceptions.among(rows.clone()).peekable();
-        let base = offsets[rows.start];
-        for row in rows {
-            let place = offsets[row] - base..offsets[row + 1] - base;
-            let (columns, weights) = (&mut columns[place.clone()], &mut weights[place]);
-            match members.next_if(|&position| exceptions.members()[position] as usize == row) {
-                Some(position) => {
-                    let (stored_columns, stored_weights) = exceptions.stored(position);
-                    columns.copy_from_slice(stored_columns);
-                    weights.copy_from_slice(stored_weights);
-                }
-                None => {
-                    terms.len = 0;
-                    regular(row, &mut terms);
-                    write_sorted(&terms, columns, weights);
+impl<Length: Fn(usize) -> usize, Fill: Fn(usize, &mut Terms) + Sync> Mixed<'_, Length, Fill> {
+    fn matrix(self) -> Csr {
+        let Mixed { shape, exceptions, length, regular } = self;
+        if exceptions.members().len() == shape.0 {
+            return exceptions.into_owned().into_rows();
+        }
+        let mut members = exceptions.members().iter().enumerate().peekable();
+        let lengths = (0..shape.0).map(|row| match members.next_if(|(_, member)| **member as usize == row) {
+            Some((position, _)) => exceptions.stored(position).0.len(),
+            None => length(row),
+        });
+        assemble_in_place(shape, lengths, |rows, offsets, columns, weights| {
+            let mut terms = Terms::default();
+            let mut members = exceptions.among(rows.clone()).peekable();
+            let base = offsets[rows.start];
+            for row in rows {
+                let place = offsets[row] - base..offsets[row + 1] - base;
+                let (columns, weights) = (&mut columns[place.clone()], &mut weights[place]);
+                match members.next_if(|&position| exceptions.members()[position] as usize == row) {
+                    Some(position) => {
+                        let (stored_columns, stored_weights) = exceptions.stored(position);
+                        columns.copy_from_slice(stored_columns);
+                        weights.copy_from_slice(stored_weights);
+                    }
+                    None => {
+                        terms.len = 0;
+                        regular(row, &mut terms);
+                        write_sorted(&terms, columns, weights);
+                    }
                 }
             }
-        }
-    })
+        })
+    }
 }
 
 #[inline]

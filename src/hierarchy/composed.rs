@@ -1,24 +1,18 @@
 //! Operators from one level straight to a later one.
 //!
 //! What is refined over a face depends on the cells of the faces that share a vertex with it, on every level: its
-//! *region*. So the product of two operators need not search for columns. Columns that are in no region together share a
-//! place: each row is a short dense sum over places, and in the end the region of the row's face says which column
-//! each place stands for. (This is how sparse Jacobians are estimated: Curtis, Powell, Reid, "On the estimation of
-//! sparse Jacobian matrices", 1974.)
-
-use std::ops::Range;
+//! *region*. So the product of two operators need not search for columns: each row is a short dense sum over the
+//! region of a face that it lies over. Most rows meet rows over the same face, whose sums are aligned with theirs.
 
 use rayon::prelude::*;
 
 use super::Hierarchy;
+use super::assembly::{self, Rows, Terms};
 use crate::scheme::{Scheme, Variant};
-use crate::sparse::{Csr, Part, assemble_parts, multiply, row_of};
+use crate::sparse::{Csr, assemble_parts, front, multiply};
 use crate::topology::{ChildEdge, Mesh, Parent, Split};
 
-/// More places than this and rows are too sparse for dense sums: columns are searched for instead.
-const MOST_PLACES: u32 = 96;
-
-/// More faces round one vertex than this and regions are too large.
+/// More faces round one vertex than this and regions are too large: columns are searched for instead.
 const MOST_FACES: usize = 32;
 
 /// `S` of `degree` from level `from` to level `to`.
@@ -27,22 +21,22 @@ pub fn operator(hierarchy: &Hierarchy, degree: usize, [from, to]: [usize; 2]) ->
     let base = hierarchy.level(from).mesh();
     // Modified Loop looks further: an irregular vertex changes the midpoints of the edges round it.
     let far = matches!(hierarchy.scheme(), Scheme::Loop(Variant::ModifiedLoop, _));
-    let packing = if to < from + 2 || far { None } else { Packing::new(base, degree) };
-    let Some(packing) = packing else {
+    let regions = if to < from + 2 || far { None } else { Sets::regions(base, degree) };
+    let Some(regions) = regions else {
         return (from + 2..=to).fold(step(from + 1), |product, level| multiply(&step(level), &product));
     };
-    let mut owners = Owners::of(base, &packing.regions);
-    let mut product = packing.pack(&step(from + 1));
-    for level in from + 1..to {
-        owners = owners.of_children(hierarchy.level(level - 1).mesh(), hierarchy.refinement(level).split());
-        let next = step(level + 1);
-        if level + 1 < to {
-            product = packing.multiply(&next, &product);
-        } else {
-            let (parent, split) = (hierarchy.level(level).mesh(), hierarchy.refinement(to).split());
-            let region = |row: usize| owners.of_child(degree, parent, split, row);
-            return packing.unpack(&next, &product, base.num_cells(degree), region);
+    let mut owners = Owners::of(base, &regions);
+    let mut product = Product::identity(&regions, &owners.0[degree]);
+    for level in from + 1..=to {
+        let (parent, refinement) = (hierarchy.level(level - 1).mesh(), hierarchy.refinement(level));
+        owners = owners.of_children(parent, refinement.split());
+        let (left, owners) = (assembly::rows(refinement, parent, degree), &owners.0[degree]);
+        let columns = base.num_cells(degree);
+        let next = Multiplication { regions: &regions, columns, left: &*left, right: &product, owners };
+        if level == to {
+            return next.matrix();
         }
+        product = next.product();
     }
     unreachable!("the last level is among those")
 }
@@ -98,88 +92,130 @@ fn isolated(mesh: &Mesh) -> impl Iterator<Item = u32> {
     (0..mesh.num_vertices() as u32).filter(|&v| mesh.fans(v).len() == 0)
 }
 
-/// A place for each column, such that the columns of a region have places of their own.
-struct Packing {
-    regions: Sets,
-    place: Vec<u8>,
-    places: usize,
+/// Rows as sums over the regions of faces.
+struct Product {
+    /// For each row its region, and where its sums begin.
+    owners: Vec<u32>,
+    starts: Vec<usize>,
+    sums: Vec<f64>,
 }
 
-impl Packing {
-    /// Greedily, column by column. `None` if that takes too many places.
-    fn new(mesh: &Mesh, degree: usize) -> Option<Packing> {
-        let regions = Sets::regions(mesh, degree)?;
-        let columns = mesh.num_cells(degree);
-        // For each column the regions it is in.
-        let mut offsets = vec![0u32; columns + 1];
-        regions.cells.iter().for_each(|&cell| offsets[cell as usize + 1] += 1);
-        (0..columns).for_each(|i| offsets[i + 1] += offsets[i]);
-        let (mut next, mut of) = (offsets.clone(), vec![0u32; regions.cells.len()]);
-        for region in 0..regions.len() {
-            for &cell in regions.get(region) {
-                of[next[cell as usize] as usize] = region as u32;
-                next[cell as usize] += 1;
-            }
-        }
-        let (mut taken, mut place, mut places) = (vec![0u128; regions.len()], vec![0u8; columns], 0);
-        for column in 0..columns {
-            let around = &of[offsets[column] as usize..offsets[column + 1] as usize];
-            let free = around.iter().fold(0, |all, &region| all | taken[region as usize]).trailing_ones();
-            if free >= MOST_PLACES {
-                return None;
-            }
-            around.iter().for_each(|&region| taken[region as usize] |= 1 << free);
-            place[column] = free as u8;
-            places = places.max(free as usize + 1);
-        }
-        Some(Packing { regions, place, places })
+impl Product {
+    /// Of these regions, all zero.
+    fn zeros(regions: &Sets, owners: &[u32]) -> Self {
+        let mut starts = Vec::with_capacity(owners.len() + 1);
+        starts.push(0);
+        let mut end = 0;
+        starts.extend(owners.iter().map(|&owner| {
+            end += regions.get(owner as usize).len();
+            end
+        }));
+        Product { owners: owners.to_vec(), starts, sums: vec![0.0; end] }
     }
 
-    /// A matrix as sums over places, row by row.
-    fn pack(&self, matrix: &Csr) -> Vec<f64> {
-        let mut sums = vec![0.0; matrix.rows() * self.places];
-        sums.par_chunks_mut(self.places).enumerate().with_min_len(1024).for_each(|(i, sums)| {
-            let (columns, weights) = row_of(matrix, i);
-            for (&column, &weight) in columns.iter().zip(weights) {
-                sums[self.place[column as usize] as usize] = weight;
+    /// Whose rows have 1 in their own column.
+    fn identity(regions: &Sets, owners: &[u32]) -> Self {
+        let mut rows = Product::zeros(regions, owners);
+        for (row, &owner) in owners.iter().enumerate() {
+            let place = regions.get(owner as usize).binary_search(&(row as u32));
+            rows.sums[rows.starts[row] + place.expect("a cell is in its own region")] = 1.0;
+        }
+        rows
+    }
+
+    fn get(&self, row: u32) -> &[f64] {
+        &self.sums[self.starts[row as usize]..self.starts[row as usize + 1]]
+    }
+}
+
+/// Runs that are long enough to be done by themselves.
+const RUN: usize = 4096;
+
+/// Of rows over the regions of a level with rows over them.
+struct Multiplication<'a> {
+    regions: &'a Sets,
+    columns: usize,
+    left: &'a dyn Rows,
+    right: &'a Product,
+    /// The regions of the rows of the product.
+    owners: &'a [u32],
+}
+
+/// What rows of a product need one after the other.
+struct Scratch {
+    terms: Terms,
+    region: Option<u32>,
+    /// For each column its position in the region; for those that are not in it, that after all others.
+    place: Vec<u32>,
+    sums: Vec<f64>,
+}
+
+impl Multiplication<'_> {
+    fn scratch(&self) -> Scratch {
+        Scratch { terms: Terms::default(), region: None, place: vec![0; self.columns], sums: Vec::new() }
+    }
+
+    /// A row of the product, over its region.
+    #[inline]
+    fn row<'s>(&self, row: usize, scratch: &'s mut Scratch) -> &'s [f64] {
+        let Scratch { terms, region: current, place, sums } = scratch;
+        let owner = self.owners[row];
+        let region = self.regions.get(owner as usize);
+        if *current != Some(owner) {
+            // What is in no region together with these has cancelled, to rounding: it goes nowhere.
+            let last = current.replace(owner).map(|last| self.regions.get(last as usize));
+            match last {
+                Some(last) => last.iter().for_each(|&column| place[column as usize] = u32::MAX),
+                None => place.fill(u32::MAX),
+            }
+            region.iter().zip(0..).for_each(|(&column, i)| place[column as usize] = i);
+        }
+        sums.clear();
+        sums.resize(region.len() + 1, 0.0);
+        let (beyond, sums) = (region.len() as u32, &mut sums[..]);
+        let (columns, weights) = self.left.get(row, terms);
+        for (&column, &weight) in columns.iter().zip(weights) {
+            let (other, values) = (self.right.owners[column as usize], self.right.get(column));
+            if other == owner {
+                sums.iter_mut().zip(values).for_each(|(sum, x)| *sum += weight * x);
+            } else {
+                for (&column, &x) in self.regions.get(other as usize).iter().zip(values) {
+                    sums[place[column as usize].min(beyond) as usize] += weight * x;
+                }
+            }
+        }
+        &sums[..region.len()]
+    }
+
+    fn product(&self) -> Product {
+        let mut product = Product::zeros(self.regions, self.owners);
+        let (starts, mut rest) = (&product.starts, &mut product.sums[..]);
+        let runs = (0..self.owners.len()).step_by(RUN).map(|first| {
+            let end = (first + RUN).min(self.owners.len());
+            (first..end, front(&mut rest, starts[end] - starts[first]))
+        });
+        let runs: Vec<_> = runs.collect();
+        runs.into_par_iter().for_each(|(rows, mut sums)| {
+            let mut scratch = self.scratch();
+            for i in rows {
+                let row = self.row(i, &mut scratch);
+                front(&mut sums, row.len()).copy_from_slice(row);
             }
         });
-        sums
+        product
     }
 
-    /// A row times a packed matrix, added to `sums`.
-    #[inline]
-    fn add_row(&self, (columns, weights): (&[u32], &[f64]), packed: &[f64], sums: &mut [f64]) {
-        for (&column, &weight) in columns.iter().zip(weights) {
-            let row = &packed[column as usize * self.places..][..self.places];
-            sums.iter_mut().zip(row).for_each(|(sum, x)| *sum += weight * x);
-        }
-    }
-
-    fn multiply(&self, matrix: &Csr, packed: &[f64]) -> Vec<f64> {
-        let mut sums = vec![0.0; matrix.rows() * self.places];
-        let rows = sums.par_chunks_mut(self.places).enumerate().with_min_len(1024);
-        rows.for_each(|(i, sums)| self.add_row(row_of(matrix, i), packed, sums));
-        sums
-    }
-
-    /// The product, each place as the column that it stands for in the region of the row.
-    fn unpack(
-        &self,
-        matrix: &Csr,
-        packed: &[f64],
-        columns: usize,
-        region: impl Fn(usize) -> u32 + Sync,
-    ) -> Csr {
-        assemble_parts((matrix.rows(), columns), |rows: Range<usize>, part: &mut Part| {
-            let mut sums = vec![0.0; self.places];
-            for i in rows {
-                sums.fill(0.0);
-                self.add_row(row_of(matrix, i), packed, &mut sums);
-                let region = self.regions.get(region(i) as usize);
-                part.push_row(region, |column| sums[self.place[column as usize] as usize]);
-            }
-        })
+    fn matrix(&self) -> Csr {
+        let shape = (self.owners.len(), self.columns);
+        assemble_parts(
+            shape,
+            || self.scratch(),
+            |scratch, rows, part| {
+                for i in rows {
+                    part.push_row(self.regions.get(self.owners[i] as usize), self.row(i, scratch));
+                }
+            },
+        )
     }
 }
 

@@ -50,8 +50,8 @@ impl Exceptions {
     }
 
     /// The stored rows alone, as a matrix.
-    pub fn rows(&self) -> &Csr {
-        &self.rows
+    pub fn into_rows(self) -> Csr {
+        self.rows
     }
 
     /// The stored rows among `rows`, as positions in [`Exceptions::members`].

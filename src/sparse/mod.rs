@@ -14,6 +14,7 @@ pub use exceptions::Exceptions;
 pub use quantity::{Quantity, Value};
 
 use std::ops::Range;
+use std::sync::Mutex;
 
 use rayon::prelude::*;
 
@@ -111,13 +112,12 @@ impl Part {
 
     /// A row of these columns, ascending, less those whose weight is dust.
     #[inline]
-    pub fn push_row(&mut self, columns: &[u32], weight: impl Fn(u32) -> f64) {
+    pub fn push_row(&mut self, columns: &[u32], weights: &[f64]) {
         // Every column is written, the next one over it if it is dust: no branch to guess.
         let mut end = self.columns.len();
         self.columns.extend_from_slice(columns);
-        self.weights.resize(end + columns.len(), 0.0);
-        for &column in columns {
-            let weight = weight(column);
+        self.weights.extend_from_slice(weights);
+        for (&column, &weight) in columns.iter().zip(weights) {
             (self.columns[end], self.weights[end]) = (column, weight);
             end += usize::from(weight.abs() > ROUNDING_DUST);
         }
@@ -127,63 +127,74 @@ impl Part {
     }
 }
 
-/// Builds a matrix of `shape = (rows, columns)` by calling `fill(i, row)` once for each row `i`.
-///
-/// Rows are filled in parallel, each by one thread.
-pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) -> Csr {
-    assemble_parts(shape, |rows, part| {
-        let mut row = Row::new(rows.len(), shape.1);
-        for i in rows {
-            fill(i, &mut row);
-            row.flush(part);
-        }
-    })
-}
-
 /// The front of a slice, which is taken off it.
-fn front<'a, T>(slice: &mut &'a mut [T], len: usize) -> &'a mut [T] {
+pub(crate) fn front<'a, T>(slice: &mut &'a mut [T], len: usize) -> &'a mut [T] {
     let (front, rest) = std::mem::take(slice).split_at_mut(len);
     *slice = rest;
     front
 }
 
-/// Builds a matrix from runs of rows, `fill(rows, part)` each.
-pub(crate) fn assemble_parts(shape: (usize, usize), fill: impl Fn(Range<usize>, &mut Part) + Sync) -> Csr {
-    let rows = shape.0;
-    let rows_per_part = (rows / (4 * rayon::current_num_threads())).max(1024);
-    let parts: Vec<Part> = (0..rows.div_ceil(rows_per_part))
-        .into_par_iter()
-        .map(|p| {
-            let mut part = Part::default();
-            fill(p * rows_per_part..((p + 1) * rows_per_part).min(rows), &mut part);
-            part
-        })
-        .collect();
+/// Builds a matrix of `shape = (rows, columns)` by calling `fill(i, row)` once for each row `i`.
+///
+/// Rows are filled in parallel, each by one thread.
+pub fn assemble(shape: (usize, usize), fill: impl Fn(usize, &mut Row) + Sync) -> Csr {
+    assemble_parts(
+        shape,
+        || Row::new(shape.0, shape.1),
+        |row, rows, part| {
+            for i in rows {
+                fill(i, row);
+                row.flush(part);
+            }
+        },
+    )
+}
 
-    let entries: usize = parts.iter().map(|part| part.columns.len()).sum();
-    let (mut offsets, mut indices, mut data) = (vec![0; rows + 1], vec![0; entries], vec![0.0; entries]);
-    let (mut row_ends, mut columns, mut weights) = (&mut offsets[1..], &mut indices[..], &mut data[..]);
-    let mut before = 0;
-    let places: Vec<_> = parts
-        .iter()
-        .map(|part| {
-            let start = before;
-            before += part.columns.len();
-            let place = (
-                front(&mut row_ends, part.row_ends.len()),
-                front(&mut columns, part.columns.len()),
-                front(&mut weights, part.weights.len()),
-            );
-            (start, place)
-        })
-        .collect();
-    // Each part is dropped once it is copied, so that what is held stays one matrix.
-    parts.into_par_iter().zip(places).for_each(|(part, (start, (row_ends, columns, weights)))| {
-        row_ends.iter_mut().zip(part.row_ends).for_each(|(to, end)| *to = start + end);
-        columns.copy_from_slice(&part.columns);
-        weights.copy_from_slice(&part.weights);
-    });
-    Csr::new(shape, offsets, indices, data)
+/// Rows whose entries stay in the cache until they are moved to the matrix.
+const PART: usize = 1024;
+
+/// Builds a matrix from runs of rows, `fill(scratch, rows, part)` each, where `scratch` is handed from run to run.
+///
+/// While some runs are filled those before them are moved to the matrix, so that fresh memory, which is dear, is touched
+/// for the matrix only.
+pub(crate) fn assemble_parts<S: Send>(
+    shape: (usize, usize),
+    scratch: impl Fn() -> S + Sync,
+    fill: impl Fn(&mut S, Range<usize>, &mut Part) + Sync,
+) -> Csr {
+    let rows = shape.0;
+    let starts: Vec<usize> = (0..rows).step_by(PART).collect();
+    let at_once = 4 * rayon::current_num_threads();
+    let (mut fresh, mut ready): (Vec<Part>, Vec<Part>) = Default::default();
+    fresh.resize_with(at_once.min(starts.len()), Part::default);
+    ready.resize_with(fresh.len(), Part::default);
+    let idle = Mutex::new(Vec::new());
+    let (mut all, mut offsets) = (Part::default(), Vec::with_capacity(rows + 1));
+    offsets.push(0);
+    let mut append = |ready: &mut [Part]| {
+        for part in ready {
+            let before = all.columns.len();
+            offsets.extend(part.row_ends.drain(..).map(|end| before + end));
+            all.columns.append(&mut part.columns);
+            all.weights.append(&mut part.weights);
+        }
+    };
+    for starts in starts.chunks(at_once) {
+        let fill = || {
+            fresh.par_iter_mut().zip(starts).for_each(|(part, &start)| {
+                let waiting = idle.lock().expect("no thread has panicked").pop();
+                let mut own = waiting.unwrap_or_else(&scratch);
+                fill(&mut own, start..(start + PART).min(rows), part);
+                idle.lock().expect("no thread has panicked").push(own);
+            });
+        };
+        rayon::join(|| append(&mut ready), fill);
+        std::mem::swap(&mut fresh, &mut ready);
+    }
+    append(&mut ready);
+    all.columns.shrink_to_fit();
+    all.weights.shrink_to_fit();
+    Csr::new(shape, offsets, all.columns, all.weights)
 }
 
 /// Builds a matrix whose rows have known lengths: `fill(rows, offsets, columns, weights)` writes a run of rows
