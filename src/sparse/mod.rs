@@ -113,16 +113,18 @@ impl Part {
     /// A row of these columns, ascending, less those whose weight is dust.
     #[inline]
     pub fn push_row(&mut self, columns: &[u32], weights: &[f64]) {
-        // Every column is written, the next one over it if it is dust: no branch to guess.
-        let mut end = self.columns.len();
+        let start = self.columns.len();
         self.columns.extend_from_slice(columns);
         self.weights.extend_from_slice(weights);
+        // Every column is written, the next one over it if it is dust: no branch to guess.
+        let (to_columns, to_weights) = (&mut self.columns[start..], &mut self.weights[start..]);
+        let mut end = 0;
         for (&column, &weight) in columns.iter().zip(weights) {
-            (self.columns[end], self.weights[end]) = (column, weight);
+            (to_columns[end], to_weights[end]) = (column, weight);
             end += usize::from(weight.abs() > ROUNDING_DUST);
         }
-        self.columns.truncate(end);
-        self.weights.truncate(end);
+        self.columns.truncate(start + end);
+        self.weights.truncate(start + end);
         self.end_row();
     }
 }
