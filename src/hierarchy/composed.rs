@@ -29,14 +29,14 @@ pub fn operator(hierarchy: &Hierarchy, degree: usize, [from, to]: [usize; 2]) ->
     let mut product = Product::identity(&regions, &owners.0[degree]);
     for level in from + 1..=to {
         let (parent, refinement) = (hierarchy.level(level - 1).mesh(), hierarchy.refinement(level));
-        owners = owners.of_children(parent, refinement.split());
-        let (left, owners) = (assembly::rows(refinement, parent, degree), &owners.0[degree]);
-        let columns = base.num_cells(degree);
-        let next = Multiplication { regions: &regions, columns, left: &*left, right: &product, owners };
+        let (left, columns) = (assembly::rows(refinement, parent, degree), base.num_cells(degree));
+        let next =
+            |owners| Multiplication { regions: &regions, columns, left: &*left, right: &product, owners };
         if level == to {
-            return next.matrix();
+            return next(owners.of_children(parent, refinement.split(), degree)).matrix();
         }
-        product = next.product();
+        owners = Owners([0, 1, 2].map(|degree| owners.of_children(parent, refinement.split(), degree)));
+        product = next(owners.0[degree].clone()).product();
     }
     unreachable!("the last level is among those")
 }
@@ -138,7 +138,7 @@ struct Multiplication<'a> {
     left: &'a dyn Rows,
     right: &'a Product,
     /// The regions of the rows of the product.
-    owners: &'a [u32],
+    owners: Vec<u32>,
 }
 
 /// What rows of a product need one after the other.
@@ -188,7 +188,7 @@ impl Multiplication<'_> {
     }
 
     fn product(&self) -> Product {
-        let mut product = Product::zeros(self.regions, self.owners);
+        let mut product = Product::zeros(self.regions, &self.owners);
         let (starts, mut rest) = (&product.starts, &mut product.sums[..]);
         let runs = (0..self.owners.len()).step_by(RUN).map(|first| {
             let end = (first + RUN).min(self.owners.len());
@@ -251,10 +251,9 @@ impl Owners {
         }
     }
 
-    fn of_children(&self, parent: &Mesh, split: &Split) -> Self {
-        Owners([0, 1, 2].map(|degree| {
-            let owner = |child| self.of_child(degree, parent, split, child);
-            (0..split.num_children(degree)).into_par_iter().map(owner).collect()
-        }))
+    /// Those of the children of a dimension.
+    fn of_children(&self, parent: &Mesh, split: &Split, degree: usize) -> Vec<u32> {
+        let owner = |child| self.of_child(degree, parent, split, child);
+        (0..split.num_children(degree)).into_par_iter().map(owner).collect()
     }
 }

@@ -256,8 +256,8 @@ impl Hierarchy {
     /// # Panics
     /// If `level` is 0 or there is no such level.
     pub fn composed_operators(&self, level: usize) -> Operators {
-        // One after the other, each in parallel: their sum is what memory has to hold.
-        let [s0, s1, s2] = [0, 1, 2].map(|degree| self.composed_operator(degree, 0, level));
+        let composed = |degree| self.composed_operator(degree, 0, level);
+        let (s1, (s0, s2)) = rayon::join(|| composed(1), || (composed(0), composed(2)));
         Operators { s0, s1, s2 }
     }
 }
