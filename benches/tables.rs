@@ -1,7 +1,8 @@
 //! Building the tables of forms beside OpenSubdiv's own of S0, and what both hold in memory.
 //!
 //! `cargo bench --bench tables` prints ratios of one run, medians, one thread; `-- 10m` adds 10 million faces, `-- composed`
-//! leaves out all but the composed tables.
+//! leaves out all but the composed tables. The column "of it" is the part of the hierarchy that is OpenSubdiv's refining, which
+//! the ratio "S1+S2" leaves out; "storing" fills memory of the size of the matrices with ones, and does nothing else.
 
 mod common;
 
@@ -12,6 +13,7 @@ use common::{paired, surfaces};
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
 use formwork::scheme::Scheme;
+use formwork::sparse::Csr;
 use formwork::topology::Cage;
 
 fn main() {
@@ -30,8 +32,8 @@ fn main() {
             "Per-level tables, one thread, f64, medians; milliseconds, and as ratios to OpenSubdiv's sum"
         );
         println!(
-            "{:<20} {:>9} | {:>8} {:>8} | {:>9} {:>8} {:>8} | {:>9} {:>9}",
-            "mesh", "faces", "refine", "S0", "hierarchy", "S1, S2", "of it", "S1+S2", "in all"
+            "{:<20} {:>9} | {:>8} {:>8} | {:>9} {:>8} {:>8} {:>8} | {:>9} {:>9}",
+            "mesh", "faces", "refine", "S0", "hierarchy", "of it", "S1, S2", "storing", "S1+S2", "in all"
         );
         for (name, cage, scheme) in surfaces::all(10_000) {
             for levels in [3, 4] {
@@ -70,7 +72,8 @@ fn refine(cage: &Cage, scheme: Scheme, levels: usize) -> Refiner {
     refiner
 }
 
-fn matrices(hierarchy: &Hierarchy) -> usize {
+/// `S1` and `S2` of each level: their rows and entries.
+fn matrices(hierarchy: &Hierarchy) -> [usize; 2] {
     let levels = 1..=hierarchy.num_levels();
     let tables: Vec<_> = levels
         .map(|l| {
@@ -78,13 +81,16 @@ fn matrices(hierarchy: &Hierarchy) -> usize {
             (refinement.s1(parent), refinement.s2(parent))
         })
         .collect();
-    tables.iter().map(|(s1, s2)| s1.nnz() + s2.nnz()).sum()
+    let (rows, entries) = (|s: &Csr| s.rows(), |s: &Csr| s.nnz());
+    let sum = |of: &dyn Fn(&Csr) -> usize| tables.iter().map(|(s1, s2)| of(s1) + of(s2)).sum();
+    [sum(&rows), sum(&entries)]
 }
 
 fn per_level(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
     let refiner = refine(cage, scheme, levels);
     let hierarchy = Hierarchy::new(cage, scheme, levels).unwrap();
-    let [osd_refine, lean, osd_tables, built, tables] = paired([
+    let [rows, entries] = matrices(&hierarchy);
+    let [osd_refine, lean, osd_tables, built, tables, storing] = paired([
         &mut || drop(black_box(refine(cage, scheme, levels))),
         &mut || {
             let split = scheme.split(&cage.descriptor().face_sizes).unwrap();
@@ -99,11 +105,15 @@ fn per_level(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
         &mut || {
             black_box(matrices(&hierarchy));
         },
+        // What no way of building them can save: memory of their size, filled.
+        &mut || {
+            black_box((vec![1usize; rows], vec![1u32; entries], vec![1f64; entries]));
+        },
     ]);
     let osd = osd_refine + osd_tables;
     let faces = hierarchy.refinement(levels).split().num_children(2);
     println!(
-        "{name:<20} {faces:>9} | {osd_refine:>8.0} {osd_tables:>8.0} | {built:>9.0} {tables:>8.0} {lean:>8.0} | {:>8.2}x {:>8.2}x",
+        "{name:<20} {faces:>9} | {osd_refine:>8.0} {osd_tables:>8.0} | {built:>9.0} {lean:>8.0} {tables:>8.0} {storing:>8.0} | {:>8.2}x {:>8.2}x",
         (built - lean + tables) / osd,
         (built + tables) / osd
     );

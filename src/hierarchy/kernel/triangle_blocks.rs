@@ -7,14 +7,14 @@
 //! D_i = a_i + o_i + b_{i-1} on the child at v_i        D = -(o_0 + o_1 + o_2) on the one in the middle
 //! ```
 //!
-//! and let a prime mark the triangle across side `i`, in which that side has number `t`. (A) then reads, for the
-//! displacements `h`, times 16,
+//! and let a prime mark the triangle across side `i`, in which that side has number `t`. Then the rows of
+//! [`Regular::s1`](crate::scheme::Regular::s1) become sums over these. A child of a half of side `i` looks at both
+//! triangles beside the side and, at its far end, at all round that vertex: it is the sum of what the two corners that
+//! name the side give to it, each computed with its own triangle, and of
 //!
 //! ```text
-//! midpoint of o_i         b_{i-1} - a_i + o_{i-1} - o_{i+1}
-//! midpoint of a_i         o_i - b_{i-1} + a'_{t+1} - o'_{t+1}
-//! midpoint of b_i         a_{i+1} - o_{i+1} + o'_t - b'_{t-1}
-//! child of m_i            b_i - a_i + o_i - o_{i+1} + o'_t - o'_{t+1}
+//! at the midpoint     (c_0 + c_1)/16 - c/2      c the half of the side, c_0 and c_1 both, away from the midpoint
+//! at the vertex v     h_v + c/2                 h_v = (sum of the spokes of v)/16, the displacement (A) of its child
 //! ```
 
 use rayon::prelude::*;
