@@ -10,13 +10,15 @@ use std::process::exit;
 
 fn main() {
     println!("cargo:rerun-if-env-changed=OPENSUBDIV_ROOT");
-    let sources = ["cpp/refiner.cpp", "cpp/evaluate.cpp", "cpp/bfr.cpp"];
-    for file in ["build.rs", "src/osd/bridge.rs", "cpp/refiner.h", "cpp/bfr.h"].iter().chain(&sources) {
+    let bridges = ["src/osd/bridge.rs", "src/memory.rs"];
+    let sources = ["cpp/refiner.cpp", "cpp/evaluate.cpp", "cpp/bfr.cpp", "cpp/memory.cpp"];
+    let headers = ["cpp/refiner.h", "cpp/bfr.h", "cpp/memory.h"];
+    for file in ["build.rs"].iter().chain(&bridges).chain(&headers).chain(&sources) {
         println!("cargo:rerun-if-changed={file}");
     }
 
     let root = env::var_os("OPENSUBDIV_ROOT").map(PathBuf::from);
-    let mut build = cxx_build::bridge("src/osd/bridge.rs");
+    let mut build = cxx_build::bridges(bridges);
     build.files(sources).include(".").std("c++17");
     // OpenSubdiv's headers hold assertions that its release library was built without.
     build.define("NDEBUG", None);

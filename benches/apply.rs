@@ -10,6 +10,7 @@ use std::hint::black_box;
 use common::{paired, surfaces};
 use formwork::cochain::{Cochain, Quantity};
 use formwork::hierarchy::{Hierarchy, Workspace};
+use formwork::memory::filled;
 use formwork::nalgebra::SVector;
 use formwork::osd::FloatStencilTable;
 use formwork::sparse::{Csr, dot, row_of};
@@ -47,7 +48,7 @@ fn main() {
 /// Values on the last level but one.
 fn values<T: Quantity>(hierarchy: &Hierarchy) -> Cochain<1, T> {
     let edges = hierarchy.level(hierarchy.num_levels() - 1).mesh().num_edges();
-    let mut value = Cochain::new(vec![T::zero(); edges]);
+    let mut value = Cochain::new(filled(T::zero(), edges));
     // Not all alike, and not zero, of any type.
     let form = surfaces::form::<f64>(hierarchy);
     let form = (1..hierarchy.num_levels()).fold(form, |form, l| hierarchy.refine(l, &form));
@@ -77,7 +78,7 @@ fn one_level(name: &str, hierarchy: &Hierarchy) {
     let mut product = vec![0.0; s1.rows()];
     let mut osd = vec![0.0f32; s1.rows()];
     let triad_length = 20_000_000;
-    let (mut a, b, d) = (vec![0.0; triad_length], vec![1.0; triad_length], vec![2.0; triad_length]);
+    let (mut a, b, d) = (filled(0.0, triad_length), filled(1.0, triad_length), filled(2.0, triad_length));
     let [triad, kernel, csr, evaluator] = paired([
         &mut || {
             a.par_iter_mut()

@@ -11,6 +11,7 @@ use std::process::Command;
 
 use common::{paired, surfaces};
 use formwork::hierarchy::Hierarchy;
+use formwork::memory::filled;
 use formwork::osd::Refiner;
 use formwork::scheme::Scheme;
 use formwork::sparse::Csr;
@@ -107,7 +108,7 @@ fn per_level(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
         },
         // What no way of building them can save: memory of their size, filled.
         &mut || {
-            black_box((vec![1usize; rows], vec![1u32; entries], vec![1f64; entries]));
+            black_box((filled(1usize, rows), filled(1u32, entries), filled(1f64, entries)));
         },
     ]);
     let osd = osd_refine + osd_tables;

@@ -151,15 +151,15 @@ struct Mask {
 
 template <Sdc::SchemeType SCHEME>
 void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::TopologyLevel const &child,
-                MaskArrays &out) {
+                rust::Slice<const bool> known_regular, MaskArrays &out) {
     Sdc::Scheme<SCHEME> scheme(options);
     Sdc::Crease crease(options);
     // Through plain pointers: indexing a slice is a call.
     double *vertex_self = out.vertex_self.data(), *vertex_edge = out.vertex_edge.data(),
            *vertex_face = out.vertex_face.data(), *edge_end = out.edge_end.data(), *edge_face = out.edge_face.data(),
            *parent_weight = out.parent_weight.data();
-    std::uint8_t *parent_rules = out.parent_rule.data(), *child_rules = out.child_rule.data(),
-                 *child_sharp = out.child_sharp.data();
+    std::uint8_t *parent_rules = out.parent_rule.data(), *child_rules = out.child_rule.data();
+    bool *parent_sharp = out.parent_sharp.data(), *child_sharp = out.child_sharp.data();
 
     std::vector<int> first_corner(parent.GetNumFaces() + 1, 0);
     for (int f = 0; f < parent.GetNumFaces(); ++f) {
@@ -169,27 +169,35 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
     // The mask of a smooth edge between two faces is the same everywhere, but next to triangles if those are
     // smoothed; OpenSubdiv is asked once.
     bool all_alike = options.GetTriangleSubdivision() != Sdc::Options::TRI_SUB_SMOOTH;
-    bool known = false;
+    bool asked = false;
     double smooth[4] = {};
 
+    bool const *known = known_regular.empty() ? nullptr : known_regular.data();
     std::vector<double> faces;
     for (int e = 0; e < parent.GetNumEdges(); ++e) {
+        if (known) {
+            Far::ConstIndexArray ends = parent.GetEdgeVertices(e);
+            if (known[ends[0]] && known[ends[1]]) {
+                continue;
+            }
+        }
         Far::ConstIndexArray edge_faces = parent.GetEdgeFaces(e);
         Far::ConstLocalIndexArray places = parent.GetEdgeFaceLocalIndices(e);
         bool is_smooth = all_alike && edge_faces.size() == 2 && parent.GetEdgeSharpness(e) == 0.0f;
         auto corner = [&](int i) { return first_corner[edge_faces[i]] + places[i]; };
-        if (is_smooth && known) {
+        if (is_smooth && asked) {
             edge_end[2 * e] = smooth[0];
             edge_end[2 * e + 1] = smooth[1];
             edge_face[corner(0)] = smooth[2];
             edge_face[corner(1)] = smooth[3];
             continue;
         }
+        parent_sharp[e] = parent.GetEdgeSharpness(e) > 0.0f;
         faces.assign(edge_faces.size(), 0.0);
         double ends[2];
         Mask mask(ends, nullptr, faces.data());
         Sdc::Crease::Rule rule =
-            parent.GetEdgeSharpness(e) > 0.0f ? Sdc::Crease::RULE_CREASE : Sdc::Crease::RULE_SMOOTH;
+            parent_sharp[e] ? Sdc::Crease::RULE_CREASE : Sdc::Crease::RULE_SMOOTH;
         scheme.ComputeEdgeVertexMask(EdgeNeighbourhood{parent, e}, mask, rule,
                                      child.GetVertexRule(parent.GetEdgeChildVertex(e)));
         edge_end[2 * e] = ends[0];
@@ -198,7 +206,7 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
             edge_face[corner(i)] = mask.num_faces ? faces[i] : 0.0;
         }
         if (is_smooth) {
-            known = true;
+            asked = true;
             smooth[0] = ends[0];
             smooth[1] = ends[1];
             smooth[2] = edge_face[corner(0)];
@@ -217,6 +225,9 @@ void fill_masks(Sdc::Options options, Far::TopologyLevel const &parent, Far::Top
     std::vector<double> edges;
     std::vector<float> sharpness, child_sharpness;
     for (int v = 0; v < parent.GetNumVertices(); ++v) {
+        if (known && known[v]) {
+            continue;
+        }
         VertexNeighbourhood hood{parent, child, v};
         Far::ConstIndexArray vertex_edges = parent.GetVertexEdges(v);
         Far::ConstIndexArray vertex_faces = parent.GetVertexFaces(v);
@@ -526,9 +537,10 @@ void Refiner::tags(std::uint32_t l, TagArrays out) const {
     }
 }
 
-void Refiner::masks(std::uint32_t l, MaskArrays out) const {
+void Refiner::masks(std::uint32_t l, rust::Slice<const bool> known, MaskArrays out) const {
     Far::TopologyLevel parent = level(l, true), child = level(l + 1, false);
     Counts n = counts(l);
+    check_length(known, known.empty() ? 0 : n.vertices, "known vertices");
     check_length(out.vertex_self, n.vertices, "vertex weights");
     check_length(out.vertex_edge, 2 * n.edges, "spoke weights");
     check_length(out.vertex_face, n.corners, "corner weights");
@@ -537,12 +549,13 @@ void Refiner::masks(std::uint32_t l, MaskArrays out) const {
     check_length(out.parent_rule, n.vertices, "parent rules");
     check_length(out.child_rule, n.vertices, "child rules");
     check_length(out.parent_weight, n.vertices, "parent rule weights");
+    check_length(out.parent_sharp, n.edges, "parent sharpness");
     check_length(out.child_sharp, 2 * n.edges, "child sharpness");
     Sdc::Options options = refiner_->GetSchemeOptions();
     switch (refiner_->GetSchemeType()) {
-    case Sdc::SCHEME_BILINEAR: return fill_masks<Sdc::SCHEME_BILINEAR>(options, parent, child, out);
-    case Sdc::SCHEME_CATMARK: return fill_masks<Sdc::SCHEME_CATMARK>(options, parent, child, out);
-    case Sdc::SCHEME_LOOP: return fill_masks<Sdc::SCHEME_LOOP>(options, parent, child, out);
+    case Sdc::SCHEME_BILINEAR: return fill_masks<Sdc::SCHEME_BILINEAR>(options, parent, child, known, out);
+    case Sdc::SCHEME_CATMARK: return fill_masks<Sdc::SCHEME_CATMARK>(options, parent, child, known, out);
+    case Sdc::SCHEME_LOOP: return fill_masks<Sdc::SCHEME_LOOP>(options, parent, child, known, out);
     }
 }
 

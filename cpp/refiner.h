@@ -44,7 +44,8 @@ public:
     Counts counts(std::uint32_t level) const;
     void topology(std::uint32_t level, TopologyArrays out) const;
     void tags(std::uint32_t level, TagArrays out) const;
-    void masks(std::uint32_t level, MaskArrays out) const;
+    // But for vertices that are `known`, and edges between two of those. None is known if it is empty.
+    void masks(std::uint32_t level, rust::Slice<const bool> known, MaskArrays out) const;
     void children(std::uint32_t level, ChildArrays out) const;
     // Whether the children of a level are numbered, and directed as far as the next level knows its edges, by
     // the rule of formwork::topology::Split. `centres` says whether faces have child vertices.

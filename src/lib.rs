@@ -52,7 +52,7 @@
 //!
 //! In space, [`octet`] does the same for 0-, 1-, 2- and 3-forms on tetrahedra and octahedra.
 //!
-//! Modules import downwards only: `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
+//! Modules import downwards only: `memory`, `sparse`, `symbol`, `topology`, `osd`; then `cochain`, `field`, `io`; then
 //! `scheme`; `hierarchy`, `octet`; `limit`; `laws`, `analysis`, `fem`, `design`; `view`. `ARCHITECTURE.md` draws
 //! them.
 
@@ -68,6 +68,7 @@ pub mod hierarchy;
 pub mod io;
 pub mod laws;
 pub mod limit;
+pub mod memory;
 pub mod octet;
 pub mod osd;
 pub mod scheme;

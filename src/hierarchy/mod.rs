@@ -122,7 +122,11 @@ impl Hierarchy {
             if !refiner.numbers_children_as(l - 1, kind)? {
                 return Err(HierarchyError::UnknownNumbering { level: l });
             }
-            let homotopy = scheme.homotopy(kind, &parent, &refiner.masks(l - 1)?);
+            let before = hierarchy.refinements.last().zip(hierarchy.finest().above());
+            let known =
+                before.map_or(Vec::new(), |(r, above)| scheme.regular_children(above, &r.split, &r.homotopy));
+            let masks = refiner.masks_except(l - 1, &known)?;
+            let homotopy = scheme.homotopy(kind, &parent, &masks, &known);
             let refinement = Refinement::new(&parent, hierarchy.finest().above(), split, homotopy);
             hierarchy.refinements.push(refinement);
             hierarchy.levels.push(Level::refined(parent, split, refiner.tags(l)?));

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use super::assembly;
 use super::kernel::{self, Workspace};
 use crate::cochain::{Cochain, Quantity};
+use crate::memory;
 use crate::scheme::regular::turn;
 use crate::scheme::{Homotopy, Regular, whitney};
 use crate::sparse::{Csr, Exceptions, Row};
@@ -48,7 +49,7 @@ impl Refinement {
         if quads {
             // Vertices keep their numbers: one of the level above is regular in the parent or not.
             let mesh = above.as_deref().unwrap_or(parent);
-            continued = vec![NONE; 2 * mesh.num_edges()];
+            continued = memory::filled(NONE, 2 * mesh.num_edges());
             for v in (0..mesh.num_vertices() as u32).filter(|&v| homotopy.h0.position(v as usize).is_none()) {
                 let fan = mesh.fans(v).next().expect("a regular vertex has a fan").corners;
                 let spokes: [HalfEdge; 4] = std::array::from_fn(|i| mesh.corner_half_edge(fan[i]));
@@ -166,7 +167,7 @@ impl Refinement {
         workspace: &mut Workspace<T>,
     ) {
         assert_eq!(x.len(), parent.num_cells(K), "a cochain of another mesh");
-        out.resize(self.split.num_children(K), T::zero());
+        memory::resize(out, self.split.num_children(K), T::zero());
         match K {
             0 => kernel::form0(self, parent, x.values(), out),
             1 => kernel::form1(self, parent, x.values(), out, workspace),

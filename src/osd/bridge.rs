@@ -1,8 +1,8 @@
-//! The one bridge to C++: flat arrays in, flat arrays out, every call that can fail a `Result`.
+//! The bridge to OpenSubdiv: flat arrays in, flat arrays out, every call that can fail a `Result`.
 //!
-//! The only file of the crate that may hold `unsafe` code. The C++ side (`cpp/`) checks every level and
-//! every array length itself, so no argument can make it read or write out of bounds; what it cannot
-//! check is a malformed cage, and [`crate::topology::Cage`] has refused those, and the pointer that
+//! The only file of the crate that may hold `unsafe` code, but for one declaration in [`crate::memory`]. The C++
+//! side (`cpp/`) checks every level and every array length itself, so no argument can make it read or write out of
+//! bounds; what it cannot check is a malformed cage, and [`crate::topology::Cage`] has refused those, and the pointer that
 //! [`super::Refiner::borrow`] is given.
 
 use std::ffi::c_void;
@@ -95,7 +95,8 @@ pub(super) mod ffi {
         parent_rule: &'a mut [u8],
         child_rule: &'a mut [u8],
         parent_weight: &'a mut [f64],
-        child_sharp: &'a mut [u8],
+        parent_sharp: &'a mut [bool],
+        child_sharp: &'a mut [bool],
     }
 
     /// The children of one level's cells, to be filled in.
@@ -130,7 +131,7 @@ pub(super) mod ffi {
         fn counts(self: &Refiner, level: u32) -> Result<Counts>;
         fn topology(self: &Refiner, level: u32, out: TopologyArrays) -> Result<()>;
         fn tags(self: &Refiner, level: u32, out: TagArrays) -> Result<()>;
-        fn masks(self: &Refiner, level: u32, out: MaskArrays) -> Result<()>;
+        fn masks(self: &Refiner, level: u32, known: &[bool], out: MaskArrays) -> Result<()>;
         fn children(self: &Refiner, level: u32, out: ChildArrays) -> Result<()>;
         fn numbers_children_in_order(self: &Refiner, level: u32, centres: bool) -> Result<bool>;
         fn stencils(self: &Refiner, level: u32) -> Result<Stencils>;

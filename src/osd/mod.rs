@@ -17,6 +17,7 @@ pub use level::{Children, LimitStencils, Masks, OsdScheme, Rule, Rules, Tags};
 use bridge::ffi;
 use cxx::UniquePtr;
 
+use crate::memory;
 use crate::sparse::{Csr, assemble};
 use crate::topology::{BoundaryInterpolation, Cage, CreasingMethod, Mesh, SplitKind, TriangleSubdivision};
 
@@ -105,10 +106,10 @@ impl Refiner {
 
     fn incidence(&self, level: usize) -> Result<Incidence, OsdError> {
         let n = self.0.counts(level as u32)?;
-        let mut face_sizes = vec![0; n.faces];
-        let mut face_vertices = vec![0; n.corners];
-        let mut face_edges = vec![0; n.corners];
-        let mut edge_vertices = vec![0; 2 * n.edges];
+        let mut face_sizes = memory::zeros(n.faces);
+        let mut face_vertices = memory::zeros(n.corners);
+        let mut face_edges = memory::zeros(n.corners);
+        let mut edge_vertices = memory::zeros(2 * n.edges);
         self.0.topology(
             level as u32,
             ffi::TopologyArrays {
@@ -128,10 +129,10 @@ impl Refiner {
     /// If there is no such level.
     pub fn tags(&self, level: usize) -> Result<Tags, OsdError> {
         let n = self.0.counts(level as u32)?;
-        let mut edge_sharpness = vec![0.0; n.edges];
-        let mut vertex_sharpness = vec![0.0; n.vertices];
-        let mut vertex_rule = vec![0; n.vertices];
-        let mut face_hole = vec![0; n.faces];
+        let mut edge_sharpness = memory::zeros(n.edges);
+        let mut vertex_sharpness = memory::zeros(n.vertices);
+        let mut vertex_rule = memory::zeros(n.vertices);
+        let mut face_hole = memory::zeros(n.faces);
         self.0.tags(
             level as u32,
             ffi::TagArrays {
@@ -154,26 +155,35 @@ impl Refiner {
     /// # Errors
     /// If there is no level `level + 1`.
     pub fn masks(&self, level: usize) -> Result<Masks, OsdError> {
+        self.masks_except(level, &[])
+    }
+
+    /// [`Refiner::masks`], but those of vertices that are `known`, and of edges between two of them, are left 0 and smooth: most
+    /// of a fine level is regular, and whoever knows it need not ask. None is known if it is empty.
+    ///
+    /// # Errors
+    /// If there is no level `level + 1`, or neither none nor all vertices are spoken of.
+    pub fn masks_except(&self, level: usize, known: &[bool]) -> Result<Masks, OsdError> {
         let n = self.0.counts(level as u32)?;
         let mut masks = Masks {
-            vertex_self: vec![0.0; n.vertices],
-            vertex_edge: vec![0.0; 2 * n.edges],
-            vertex_face: vec![0.0; n.corners],
-            edge_end: vec![0.0; 2 * n.edges],
-            edge_face: vec![0.0; n.corners],
+            vertex_self: memory::zeros(n.vertices),
+            vertex_edge: memory::zeros(2 * n.edges),
+            vertex_face: memory::zeros(n.corners),
+            edge_end: memory::zeros(2 * n.edges),
+            edge_face: memory::zeros(n.corners),
             rules: Rules {
                 parent_rule: Vec::new(),
                 child_rule: Vec::new(),
-                parent_weight: vec![0.0; n.vertices],
-                parent_sharp: self.tags(level)?.edge_sharpness.iter().map(|&s| s > 0.0).collect(),
-                child_sharp: Vec::new(),
+                parent_weight: memory::zeros(n.vertices),
+                parent_sharp: memory::zeros(n.edges),
+                child_sharp: memory::zeros(2 * n.edges),
             },
         };
-        let mut parent_rule = vec![0; n.vertices];
-        let mut child_rule = vec![0; n.vertices];
-        let mut child_sharp = vec![0; 2 * n.edges];
+        let mut parent_rule = memory::zeros(n.vertices);
+        let mut child_rule = memory::zeros(n.vertices);
         self.0.masks(
             level as u32,
+            known,
             ffi::MaskArrays {
                 vertex_self: &mut masks.vertex_self,
                 vertex_edge: &mut masks.vertex_edge,
@@ -183,12 +193,12 @@ impl Refiner {
                 parent_rule: &mut parent_rule,
                 child_rule: &mut child_rule,
                 parent_weight: &mut masks.rules.parent_weight,
-                child_sharp: &mut child_sharp,
+                parent_sharp: &mut masks.rules.parent_sharp,
+                child_sharp: &mut masks.rules.child_sharp,
             },
         )?;
         masks.rules.parent_rule = rules(&parent_rule);
         masks.rules.child_rule = rules(&child_rule);
-        masks.rules.child_sharp = flags(&child_sharp);
         Ok(masks)
     }
 
@@ -200,12 +210,12 @@ impl Refiner {
         let n = self.0.counts(level as u32)?;
         let child = self.0.counts(level as u32 + 1)?;
         let mut children = Children {
-            vertex_vertex: vec![0; n.vertices],
-            edge_vertex: vec![0; n.edges],
-            face_vertex: vec![0; child.vertices - n.vertices - n.edges],
-            edge_edges: vec![0; 2 * n.edges],
-            face_edges: vec![0; n.corners],
-            face_faces: vec![0; child.faces],
+            vertex_vertex: memory::zeros(n.vertices),
+            edge_vertex: memory::zeros(n.edges),
+            face_vertex: memory::zeros(child.vertices - n.vertices - n.edges),
+            edge_edges: memory::zeros(2 * n.edges),
+            face_edges: memory::zeros(n.corners),
+            face_faces: memory::zeros(child.faces),
         };
         self.0.children(
             level as u32,
@@ -268,7 +278,7 @@ impl Refiner {
     /// # Errors
     /// If `level` is 0 or there is no such level, or `values` has not one entry for each vertex.
     pub fn interpolate(&self, level: usize, values: &[f64]) -> Result<Vec<f64>, OsdError> {
-        let mut refined = vec![0.0; self.0.counts(level as u32)?.vertices];
+        let mut refined = memory::zeros(self.0.counts(level as u32)?.vertices);
         self.0.interpolate(level as u32, values, &mut refined)?;
         Ok(refined)
     }

@@ -26,10 +26,10 @@ use super::{DooSabin, Homotopy, tables, whitney};
 use crate::osd::Masks;
 use crate::topology::{Mesh, SplitKind};
 
-/// The tables `H0` and `H1` for one split.
-pub fn homotopy(mesh: &Mesh, masks: &Masks, weights: DooSabin) -> Homotopy {
+/// The tables `H0` and `H1` for one split; see [`super::Scheme::homotopy`].
+pub fn homotopy(mesh: &Mesh, masks: &Masks, known: &[bool], weights: DooSabin) -> Homotopy {
     let lift = |corner, visit: &mut dyn FnMut(_, f64)| whitney::midpoint_to_centre(mesh, corner, visit);
-    tables::homotopy(SplitKind::Quad, mesh, masks, lift, Densities(weights), |_, _| ())
+    tables::homotopy(SplitKind::Quad, mesh, masks, known, lift, Densities(weights), |_, _| ())
 }
 
 /// Doo-Sabin weights of densities: the value of face `f` counts by `1/n_f`.

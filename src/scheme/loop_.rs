@@ -37,11 +37,17 @@ pub enum Variant {
     ModifiedLoop,
 }
 
-/// The tables `H0` and `H1` for one split of a triangle mesh.
+/// The tables `H0` and `H1` for one split of a triangle mesh; see [`super::Scheme::homotopy`].
 ///
 /// # Panics
 /// If a face is not a triangle.
-pub fn homotopy(mesh: &Mesh, masks: &Masks, variant: Variant, boundary: BoundaryRule) -> Homotopy {
+pub fn homotopy(
+    mesh: &Mesh,
+    masks: &Masks,
+    known: &[bool],
+    variant: Variant,
+    boundary: BoundaryRule,
+) -> Homotopy {
     let modified = match variant {
         Variant::Loop => None,
         Variant::ModifiedLoop => Some(modified_masks(mesh, masks)),
@@ -49,7 +55,7 @@ pub fn homotopy(mesh: &Mesh, masks: &Masks, variant: Variant, boundary: Boundary
     let masks = modified.as_ref().unwrap_or(masks);
     let lift = |corner, visit: &mut dyn FnMut(HalfEdge, f64)| midpoint_to_opposite(mesh, corner, visit);
     let odd = |corner, row: &mut Row| odd_row(mesh, masks, corner, row);
-    tables::homotopy(SplitKind::Triangle, mesh, masks, lift, HalfBox(boundary), odd)
+    tables::homotopy(SplitKind::Triangle, mesh, masks, known, lift, HalfBox(boundary), odd)
 }
 
 /// `(c_{a o} + c_{b o})/2`, the value from the midpoint of the edge `a -> b` that leaves a corner to the

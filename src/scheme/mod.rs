@@ -37,6 +37,9 @@ pub use half_box::BoundaryRule;
 pub use loop_::Variant;
 pub use regular::Regular;
 
+use rayon::prelude::*;
+
+use crate::memory;
 use crate::osd::{Masks, OsdScheme};
 use crate::sparse::{Exceptions, Row};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
@@ -181,14 +184,30 @@ impl Scheme {
         }
     }
 
-    /// The tables of this scheme for one split of `mesh`, with OpenSubdiv's weights `masks`.
+    /// Which child vertices of `mesh` are certain to be regular, before their weights are known: those whose row of `H0`
+    /// follows the formula. Sharpness only decays, and rings of children do not meet themselves where those of their parents do
+    /// not. Empty if that says nothing.
+    pub fn regular_children(self, mesh: &Mesh, split: &Split, homotopy: &Homotopy) -> Vec<bool> {
+        let tells = match self {
+            Scheme::Catmark(_) => mesh.uniform_face_size() == Some(4),
+            Scheme::Loop(variant, _) => variant == Variant::Loop,
+            // The modified rules reach from vertices to the edges beside them.
+            Scheme::Whitney | Scheme::Bilinear => false,
+        };
+        let vertices = if tells { split.num_children(0) } else { 0 };
+        let regular = |vertex| homotopy.h0.position(vertex).is_none();
+        memory::collect((0..vertices).into_par_iter().map(regular))
+    }
+
+    /// The tables of this scheme for one split of `mesh`, with OpenSubdiv's weights `masks`, in which those of vertices
+    /// `known` to be regular ([`Scheme::regular_children`] of the level above; empty if none is) may be missing.
     ///
     /// # Panics
     /// If the scheme does not take the mesh.
-    pub fn homotopy(self, split: SplitKind, mesh: &Mesh, masks: &Masks) -> Homotopy {
+    pub fn homotopy(self, split: SplitKind, mesh: &Mesh, masks: &Masks, known: &[bool]) -> Homotopy {
         match self {
-            Scheme::Catmark(weights) => catmark::homotopy(mesh, masks, weights),
-            Scheme::Loop(variant, boundary) => loop_::homotopy(mesh, masks, variant, boundary),
+            Scheme::Catmark(weights) => catmark::homotopy(mesh, masks, known, weights),
+            Scheme::Loop(variant, boundary) => loop_::homotopy(mesh, masks, known, variant, boundary),
             Scheme::Whitney | Scheme::Bilinear => {
                 let split = Split::new(split, mesh);
                 let none = |rows, columns| Exceptions::collect((rows, columns), |_| false, |_, _| ());

@@ -26,6 +26,7 @@
 use rayon::prelude::*;
 
 use super::whitney;
+use crate::memory;
 use crate::osd::{Masks, Rule};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
 
@@ -54,7 +55,8 @@ fn is(weight: f64, regular: f64) -> bool {
 }
 
 impl RegularCells {
-    pub(super) fn of(kind: SplitKind, mesh: &Mesh, masks: &Masks) -> Self {
+    /// Vertices that are `known` to be regular are not looked at; see [`super::Scheme::regular_children`].
+    pub(super) fn of(kind: SplitKind, mesh: &Mesh, masks: &Masks, known: &[bool]) -> Self {
         let (sides, valence) = match kind {
             SplitKind::Quad => (4, 4),
             SplitKind::Triangle => (3, 6),
@@ -65,12 +67,23 @@ impl RegularCells {
                 edges: vec![false; mesh.num_edges()],
             };
         }
-        let edges: Vec<bool> = (0..mesh.num_edges() as u32)
-            .into_par_iter()
-            .map(|e| is_regular_edge(kind, mesh, masks, e))
-            .collect();
-        let vertex = |v| is_regular_vertex(kind, mesh, masks, v, valence, &edges);
-        let vertices = (0..mesh.num_vertices() as u32).into_par_iter().map(vertex).collect();
+        let all_vertices = (0..mesh.num_vertices() as u32).into_par_iter();
+        let all_edges = (0..mesh.num_edges() as u32).into_par_iter();
+        let edge = |e: u32| is_regular_edge(kind, mesh, masks, e);
+        let vertex =
+            |v: u32, edge: &dyn Fn(u32) -> bool| is_regular_vertex(kind, mesh, masks, v, valence, edge);
+        if known.is_empty() {
+            let edges = memory::collect(all_edges.map(edge));
+            let regular = |e: u32| edges[e as usize];
+            let vertices = memory::collect(all_vertices.map(|v| vertex(v, &regular)));
+            return RegularCells { vertices, edges };
+        }
+        let vertices = memory::collect(all_vertices.map(|v| known[v as usize] || vertex(v, &edge)));
+        // Between two faces of a regular vertex lies a regular edge.
+        let edges = memory::collect(all_edges.map(|e| {
+            let [tail, head] = mesh.edges()[e as usize].map(|v| known[v as usize]);
+            tail || head || edge(e)
+        }));
         RegularCells { vertices, edges }
     }
 
@@ -83,12 +96,15 @@ impl RegularCells {
             (ChildEdge::Odd(c), SplitKind::Triangle) => {
                 let sides = [c, mesh.previous_corner(c)].map(|c| mesh.corner_half_edge(c));
                 let across = |h: HalfEdge| mesh.left_corner(h.twin()).expect("a regular edge has two faces");
-                sides.iter().all(|&h| edge(h)) && {
+                // Round a regular vertex nothing meets itself.
+                let apart = || {
                     let [a, b] = sides.map(across);
                     mesh.corner_face(a) != mesh.corner_face(b)
                         && mesh.corner_vertex(mesh.previous_corner(a))
                             != mesh.corner_vertex(mesh.previous_corner(b))
-                }
+                };
+                let regular = self.vertices[mesh.corner_vertex(c) as usize];
+                sides.iter().all(|&h| edge(h)) && (regular || apart())
             }
         }
     }
@@ -120,7 +136,7 @@ fn is_regular_vertex(
     masks: &Masks,
     v: u32,
     valence: usize,
-    edges: &[bool],
+    edge: &dyn Fn(u32) -> bool,
 ) -> bool {
     let (i, spokes) = (v as usize, mesh.vertex_half_edges(v));
     let rules = &masks.rules;
@@ -151,7 +167,7 @@ fn is_regular_vertex(
     };
     all_differ
         && spokes.iter().all(|&h| {
-            let regular = kind == SplitKind::Triangle || edges[h.edge() as usize];
+            let regular = kind == SplitKind::Triangle || edge(h.edge());
             regular && is(masks.vertex_edge[h.index()], 0.0625)
         })
         && fan.corners.iter().all(|&c| is(masks.vertex_face[c as usize], face))

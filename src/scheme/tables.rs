@@ -15,12 +15,13 @@ pub(super) fn homotopy(
     kind: SplitKind,
     mesh: &Mesh,
     masks: &Masks,
+    known: &[bool],
     lift: impl Fn(u32, &mut dyn FnMut(HalfEdge, f64)) + Sync,
     weights: impl FaceWeights,
     odd: impl Fn(u32, &mut Row) + Sync,
 ) -> Homotopy {
     let split = Split::new(kind, mesh);
-    let regular = RegularCells::of(kind, mesh, masks);
+    let regular = RegularCells::of(kind, mesh, masks, known);
     let correction = Correction::new(mesh, &masks.edge_face, &masks.rules, weights);
     let h1 = Exceptions::collect(
         (split.num_children(1), mesh.num_faces()),

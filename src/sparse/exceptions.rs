@@ -5,6 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::{Csr, Row, assemble, row_of};
+use crate::memory;
 
 /// A few rows of a tall matrix: those where a mesh is not regular. All others follow a rule, and are not stored.
 #[derive(Clone, Debug)]
@@ -29,7 +30,7 @@ impl Exceptions {
             let bits = 64 * w..(64 * w + 64).min(shape.0);
             bits.fold(0u64, |word, row| word | u64::from(is_exception(row)) << (row % 64))
         };
-        let words: Vec<u64> = (0..shape.0.div_ceil(64)).into_par_iter().with_min_len(64).map(word).collect();
+        let words = memory::collect((0..shape.0.div_ceil(64)).into_par_iter().with_min_len(64).map(word));
         let mut before = Vec::with_capacity(words.len());
         let mut members = Vec::new();
         for (w, &word) in words.iter().enumerate() {

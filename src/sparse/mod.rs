@@ -18,6 +18,8 @@ use std::sync::Mutex;
 
 use rayon::prelude::*;
 
+use crate::memory;
+
 /// A compressed sparse row matrix in `f64`: 32-bit columns, 64-bit row offsets, columns ascending in
 /// each row, none repeated.
 pub type Csr = sprs::CsMatI<f64, u32, usize>;
@@ -208,7 +210,7 @@ pub fn assemble_in_place(
     lengths: impl Iterator<Item = usize>,
     fill: impl Fn(Range<usize>, &[usize], &mut [u32], &mut [f64]) + Sync,
 ) -> Csr {
-    let mut offsets = Vec::with_capacity(shape.0 + 1);
+    let mut offsets = memory::with_capacity(shape.0 + 1);
     offsets.push(0);
     let mut end = 0;
     offsets.extend(lengths.map(|length| {
@@ -216,7 +218,7 @@ pub fn assemble_in_place(
         end
     }));
     assert_eq!(offsets.len(), shape.0 + 1, "one length for each row");
-    let (mut columns, mut weights) = (vec![0; end], vec![0.0; end]);
+    let (mut columns, mut weights) = (memory::zeros(end), memory::zeros(end));
     fill_runs(0..shape.0, &offsets, &mut columns, &mut weights, &fill);
     Csr::new(shape, offsets, columns, weights)
 }

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::mesh::NONE;
 use super::{HalfEdge, Mesh};
+use crate::memory;
 
 /// Arrays that are not a complex.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -36,9 +37,9 @@ impl Mesh {
                 return Err(MeshError::Length { what, expected: num_corners, actual });
             }
         }
-        let mut face_offsets = Vec::with_capacity(face_sizes.len() + 1);
+        let mut face_offsets = memory::with_capacity(face_sizes.len() + 1);
         face_offsets.push(0);
-        let mut corner_half_edge = Vec::with_capacity(num_corners);
+        let mut corner_half_edge = memory::with_capacity(num_corners);
         for (face, &size) in face_sizes.iter().enumerate() {
             let start = corner_half_edge.len();
             for i in 0..size as usize {
@@ -64,7 +65,9 @@ impl Mesh {
         corner_half_edge: Vec<HalfEdge>,
         edge_vertices: Vec<[u32; 2]>,
     ) -> Self {
-        let face_offsets = (0..=corner_half_edge.len() as u32).step_by(sides).collect();
+        let num_corners = corner_half_edge.len();
+        let mut face_offsets = memory::with_capacity(num_corners / sides + 1);
+        face_offsets.extend((0..=num_corners as u32).step_by(sides));
         Self::complete(num_vertices, face_offsets, corner_half_edge, edge_vertices)
     }
 
@@ -76,8 +79,8 @@ impl Mesh {
         edge_vertices: Vec<[u32; 2]>,
     ) -> Self {
         let tail = |h: &HalfEdge| edge_vertices[h.edge() as usize][h.index() & 1];
-        let corner_vertex: Vec<u32> = corner_half_edge.par_iter().map(tail).collect();
-        let mut corner_face = vec![0; corner_vertex.len()];
+        let corner_vertex = memory::collect(corner_half_edge.par_iter().map(tail));
+        let mut corner_face = memory::zeros(corner_vertex.len());
         let first_size = face_offsets.get(1).map_or(0, |&size| size as usize);
         let uniform = face_offsets.windows(2).all(|ends| (ends[1] - ends[0]) as usize == first_size);
         if uniform {
@@ -91,8 +94,8 @@ impl Mesh {
             }
         }
 
-        let mut edge_faces = vec![0; edge_vertices.len()];
-        let mut left_corner = vec![NONE; 2 * edge_vertices.len()];
+        let mut edge_faces = memory::zeros(edge_vertices.len());
+        let mut left_corner = memory::filled(NONE, 2 * edge_vertices.len());
         for (c, h) in corner_half_edge.iter().enumerate() {
             edge_faces[h.edge() as usize] += 1;
             left_corner[h.index()] = c as u32;
@@ -110,8 +113,8 @@ impl Mesh {
             num_vertices,
             uniform: uniform.then_some(first_size),
             face_offsets,
-            corner_place: vec![NONE; corner_vertex.len()],
-            fan_corners: Vec::with_capacity(corner_vertex.len()),
+            corner_place: memory::filled(NONE, corner_vertex.len()),
+            fan_corners: memory::with_capacity(corner_vertex.len()),
             corner_vertex,
             corner_half_edge,
             corner_face,
@@ -120,9 +123,9 @@ impl Mesh {
             left_corner,
             vertex_offsets,
             vertex_half_edges,
-            vertex_fans: Vec::with_capacity(num_vertices + 1),
-            fan_offsets: Vec::with_capacity(num_vertices + 1),
-            fan_cyclic: Vec::with_capacity(num_vertices),
+            vertex_fans: memory::with_capacity(num_vertices + 1),
+            fan_offsets: memory::with_capacity(num_vertices + 1),
+            fan_cyclic: memory::with_capacity(num_vertices),
         };
         mesh.order_fans();
         mesh
@@ -178,15 +181,16 @@ fn group_by<T: Copy>(
     keys: impl ExactSizeIterator<Item = u32> + Clone,
     item: impl Fn(u32) -> T,
 ) -> (Vec<u32>, Vec<T>) {
-    let mut offsets = vec![0u32; num_keys + 1];
+    let mut offsets = memory::zeros(num_keys + 1);
     for key in keys.clone() {
         offsets[key as usize + 1] += 1;
     }
     for k in 0..num_keys {
         offsets[k + 1] += offsets[k];
     }
-    let mut next = offsets.clone();
-    let mut items = vec![item(0); keys.len()];
+    let mut next = memory::with_capacity(offsets.len());
+    next.extend_from_slice(&offsets);
+    let mut items = memory::filled(item(0), keys.len());
     for (i, key) in keys.enumerate() {
         items[next[key as usize] as usize] = item(i as u32);
         next[key as usize] += 1;

@@ -1,6 +1,7 @@
 use rayon::prelude::*;
 
 use super::{HalfEdge, Mesh};
+use crate::memory;
 
 /// How the cells of one level become those of the next, and how the children are numbered and directed:
 /// as OpenSubdiv does, with `V`, `E`, `F` the counts of the parent and `C` its corners.
@@ -209,21 +210,19 @@ impl Split {
     /// # Panics
     /// If this is not the split of `parent`.
     pub fn refine(&self, parent: &Mesh) -> Mesh {
-        let edges: Vec<[u32; 2]> = (0..self.num_children(1))
-            .into_par_iter()
-            .map(|edge| self.edge_ends(parent, self.edge_parent(edge)).map(|end| self.vertex_of(end)))
-            .collect();
-        let faces = 0..self.num_children(2);
-        let half_edges: Vec<HalfEdge> = match self.kind {
-            SplitKind::Quad => {
-                faces.into_par_iter().flat_map_iter(|f| self.child_boundary::<4>(parent, f)).collect()
-            }
-            SplitKind::Triangle => {
-                faces.into_par_iter().flat_map_iter(|f| self.child_boundary::<3>(parent, f)).collect()
-            }
+        let ends = |edge| self.edge_ends(parent, self.edge_parent(edge)).map(|end| self.vertex_of(end));
+        let edges = memory::collect((0..self.num_children(1)).into_par_iter().map(ends));
+        let (sides, half_edges) = match self.kind {
+            SplitKind::Quad => (4, self.boundaries::<4>(parent)),
+            SplitKind::Triangle => (3, self.boundaries::<3>(parent)),
         };
-        let sides = if self.kind == SplitKind::Quad { 4 } else { 3 };
         Mesh::of_equal_faces(self.num_children(0), sides, half_edges, edges)
+    }
+
+    /// The boundaries of the child faces, one after the other.
+    fn boundaries<const N: usize>(&self, parent: &Mesh) -> Vec<HalfEdge> {
+        let faces = (0..self.num_children(2)).into_par_iter();
+        memory::collect(faces.map(|f| self.child_boundary::<N>(parent, f))).into_flattened()
     }
 
     /// The boundary of a child face as it is numbered: OpenSubdiv turns the children of quads and triangles

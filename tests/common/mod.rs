@@ -8,7 +8,9 @@ pub mod shapes;
 pub mod solids;
 pub mod step;
 
+use formwork::hierarchy::Hierarchy;
 use formwork::laws::{Report, measure};
+use formwork::osd::Refiner;
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
 use formwork::topology::Cage;
 
@@ -57,5 +59,24 @@ pub fn assert_laws(name: &str, cage: &Cage, scheme: Scheme, levels: usize) -> Re
     for row in &report.limit {
         assert!(row.telescoped_minus_refined <= EXACT, "{name}: {row:?}");
     }
+    assert_same_tables(name, cage, scheme, levels);
     report
+}
+
+/// The tables of a level do not depend on what was known of it from the level above.
+fn assert_same_tables(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
+    let hierarchy = Hierarchy::new(cage, scheme, levels).unwrap();
+    let mut refiner = Refiner::new(cage, scheme.opensubdiv(hierarchy.split_kind())).unwrap();
+    refiner.refine_uniform(levels).unwrap();
+    for level in 1..=levels {
+        let (mesh, masks) = (hierarchy.level(level - 1).mesh(), refiner.masks(level - 1).unwrap());
+        let asked = scheme.homotopy(hierarchy.split_kind(), mesh, &masks, &[]);
+        let told = hierarchy.refinement(level).homotopy();
+        for (asked, told) in [(&asked.h0, &told.h0), (&asked.h1, &told.h1)] {
+            assert_eq!(asked.members(), told.members(), "{name}, level {level}: other exceptions");
+            for position in 0..asked.members().len() {
+                assert_eq!(asked.stored(position), told.stored(position), "{name}, level {level}");
+            }
+        }
+    }
 }

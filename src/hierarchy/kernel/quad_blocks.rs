@@ -27,6 +27,7 @@ use rayon::prelude::*;
 use super::{BLOCK, Workspace, patch};
 use crate::cochain::Quantity;
 use crate::hierarchy::refinement::{NONE, Refinement};
+use crate::memory;
 use crate::scheme::regular::turn;
 use crate::topology::{HalfEdge, Mesh};
 
@@ -44,7 +45,7 @@ pub fn form1<T: Quantity>(
 
     // For each half-edge of the level above the sum across its half at its tail, directed to that tail.
     let across = &mut workspace.edges;
-    across.resize(halves.len(), T::zero());
+    memory::resize(across, halves.len(), T::zero());
     let chunks = across.par_chunks_mut(2 * BLOCK).zip(lefts.par_chunks(2 * BLOCK));
     chunks.zip(halves.par_chunks(2 * BLOCK)).for_each(|((across, lefts), halves)| {
         let edges = across.chunks_exact_mut(2).zip(lefts.chunks_exact(2)).zip(halves.chunks_exact(2));

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::{BLOCK, Workspace, patch};
 use crate::cochain::{Quantity, along};
 use crate::hierarchy::refinement::{NONE, Refinement};
+use crate::memory;
 use crate::scheme::regular::turn;
 use crate::topology::{HalfEdge, Mesh};
 
@@ -27,7 +28,7 @@ pub fn form1<T: Quantity>(
 
     // For each face the sums of its two pairs of edges: from side 0 to side 2, and from side 1 to side 3.
     let pairs = &mut workspace.faces;
-    pairs.resize(2 * num_faces, T::zero());
+    memory::resize(pairs, 2 * num_faces, T::zero());
     pairs.par_chunks_mut(2 * BLOCK).zip(corners.par_chunks(4 * BLOCK)).for_each(|(pairs, corners)| {
         for (pair, h) in pairs.chunks_exact_mut(2).zip(corners.chunks_exact(4)) {
             pair[0] = along(c, h[1]) - along(c, h[3]);
@@ -37,7 +38,7 @@ pub fn form1<T: Quantity>(
 
     // For each edge the sum across: six times itself, and its parallels.
     let across = &mut workspace.edges;
-    across.resize(num_edges, T::zero());
+    memory::resize(across, num_edges, T::zero());
     across.par_chunks_mut(BLOCK).zip(lefts.par_chunks(2 * BLOCK)).enumerate().for_each(
         |(i, (across, lefts))| {
             for ((sum, sides), &own) in across.iter_mut().zip(lefts.chunks_exact(2)).zip(&c[i * BLOCK..]) {

@@ -1,0 +1,28 @@
+#include "cpp/memory.h"
+
+#include <cstdint>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
+
+namespace formwork {
+
+void prefer_huge_pages(std::size_t address, std::size_t bytes) noexcept {
+#if defined(MADV_HUGEPAGE)
+    // Whole pages only, and those that begin and end within.
+    auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    std::size_t begin = (address + page - 1) / page * page;
+    std::size_t end = (address + bytes) / page * page;
+    if (begin < end) {
+        // A refusal leaves pages as they are.
+        (void)madvise(reinterpret_cast<void *>(static_cast<std::uintptr_t>(begin)), end - begin, MADV_HUGEPAGE);
+    }
+#else
+    (void)address;
+    (void)bytes;
+#endif
+}
+
+} // namespace formwork
