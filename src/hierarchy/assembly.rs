@@ -40,8 +40,8 @@ impl Terms {
                 *place += i32::from(key < other);
             }
         }
-        for (place, (&column, &weight)) in places.into_iter().zip(self.columns.iter().zip(&self.weights)) {
-            (columns[place as usize], weights[place as usize]) = (column, weight);
+        for (i, place) in places.into_iter().enumerate() {
+            (columns[place as usize], weights[place as usize]) = (self.columns[i], self.weights[i]);
         }
     }
 }

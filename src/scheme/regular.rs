@@ -308,8 +308,9 @@ impl Regular {
                 const SPOKES: [f64; 6] = [-8.0, -2.0, 1.0, 2.0, 1.0, -2.0];
                 const RIMS: [f64; 6] = [1.0, 1.0, 0.0, 0.0, -1.0, -1.0];
                 let (fan, place) = mesh.fan_of_corner(left(mesh, h));
+                let fan: &[u32; 6] = fan.corners.try_into().expect("six triangles round a regular vertex");
                 for j in 0..6 {
-                    let corner = fan.corners[(place + j) % 6];
+                    let corner = fan[if place + j < 6 { place + j } else { place + j - 6 }];
                     visit(mesh.corner_half_edge(corner), SPOKES[j] / 32.0);
                     if RIMS[j] != 0.0 {
                         visit(mesh.corner_half_edge(mesh.next_corner(corner)), RIMS[j] / 32.0);

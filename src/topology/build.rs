@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::faces::Faces;
 use super::mesh::NONE;
 use super::{HalfEdge, Mesh};
 use crate::memory;
@@ -37,8 +38,6 @@ impl Mesh {
                 return Err(MeshError::Length { what, expected: num_corners, actual });
             }
         }
-        let mut face_offsets = memory::with_capacity(face_sizes.len() + 1);
-        face_offsets.push(0);
         let mut corner_half_edge = memory::with_capacity(num_corners);
         for (face, &size) in face_sizes.iter().enumerate() {
             let start = corner_half_edge.len();
@@ -52,48 +51,20 @@ impl Mesh {
                 }
                 corner_half_edge.push(HalfEdge::new(edge, along));
             }
-            face_offsets.push(corner_half_edge.len() as u32);
         }
 
-        Ok(Self::complete(num_vertices, face_offsets, corner_half_edge, edge_vertices))
-    }
-
-    /// The complex whose faces all have `sides` sides, from their boundaries, face after face.
-    pub(super) fn of_equal_faces(
-        num_vertices: usize,
-        sides: usize,
-        corner_half_edge: Vec<HalfEdge>,
-        edge_vertices: Vec<[u32; 2]>,
-    ) -> Self {
-        let num_corners = corner_half_edge.len();
-        let mut face_offsets = memory::with_capacity(num_corners / sides + 1);
-        face_offsets.extend((0..=num_corners as u32).step_by(sides));
-        Self::complete(num_vertices, face_offsets, corner_half_edge, edge_vertices)
+        Ok(Self::complete(num_vertices, Faces::new(face_sizes), corner_half_edge, edge_vertices))
     }
 
     /// What follows from the boundaries of the faces.
-    fn complete(
+    pub(super) fn complete(
         num_vertices: usize,
-        face_offsets: Vec<u32>,
+        faces: Faces,
         corner_half_edge: Vec<HalfEdge>,
         edge_vertices: Vec<[u32; 2]>,
     ) -> Self {
         let tail = |h: &HalfEdge| edge_vertices[h.edge() as usize][h.index() & 1];
         let corner_vertex = memory::collect(corner_half_edge.par_iter().map(tail));
-        let mut corner_face = memory::zeros(corner_vertex.len());
-        let first_size = face_offsets.get(1).map_or(0, |&size| size as usize);
-        let uniform = face_offsets.windows(2).all(|ends| (ends[1] - ends[0]) as usize == first_size);
-        if uniform {
-            corner_face
-                .par_chunks_mut(first_size.max(1))
-                .enumerate()
-                .for_each(|(f, corners)| corners.fill(f as u32));
-        } else {
-            for (f, ends) in face_offsets.windows(2).enumerate() {
-                corner_face[ends[0] as usize..ends[1] as usize].fill(f as u32);
-            }
-        }
-
         let mut edge_faces = memory::zeros(edge_vertices.len());
         let mut left_corner = memory::filled(NONE, 2 * edge_vertices.len());
         for (c, h) in corner_half_edge.iter().enumerate() {
@@ -111,13 +82,11 @@ impl Mesh {
             group_by(num_vertices, edge_vertices.as_flattened().iter().copied(), HalfEdge);
         let mut mesh = Mesh {
             num_vertices,
-            uniform: uniform.then_some(first_size),
-            face_offsets,
+            faces,
             corner_place: memory::filled(NONE, corner_vertex.len()),
             fan_corners: memory::with_capacity(corner_vertex.len()),
             corner_vertex,
             corner_half_edge,
-            corner_face,
             edge_vertices,
             edge_faces,
             left_corner,

@@ -1,6 +1,7 @@
 use std::ops::Range;
 
 use super::HalfEdge;
+use super::faces::Faces;
 use crate::sparse::{Csr, assemble};
 
 /// No corner.
@@ -17,12 +18,9 @@ pub(super) const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     pub(super) num_vertices: usize,
-    /// The number of sides of every face, if they are all alike.
-    pub(super) uniform: Option<usize>,
-    pub(super) face_offsets: Vec<u32>,
+    pub(super) faces: Faces,
     pub(super) corner_vertex: Vec<u32>,
     pub(super) corner_half_edge: Vec<HalfEdge>,
-    pub(super) corner_face: Vec<u32>,
     pub(super) edge_vertices: Vec<[u32; 2]>,
     /// For each edge its number of faces.
     pub(super) edge_faces: Vec<u32>,
@@ -68,7 +66,7 @@ impl Mesh {
 
     /// The number of faces.
     pub fn num_faces(&self) -> usize {
-        self.face_offsets.len() - 1
+        self.faces.len()
     }
 
     /// The number of corners: the sum of the face sizes.
@@ -78,7 +76,7 @@ impl Mesh {
 
     /// The number of sides of every face, if they are all alike.
     pub fn uniform_face_size(&self) -> Option<usize> {
-        self.uniform
+        self.faces.uniform_size()
     }
 
     /// The number of cells of dimension `k`: vertices, edges or faces.
@@ -92,7 +90,7 @@ impl Mesh {
     /// The corners of face `f`.
     #[inline]
     pub fn corners(&self, f: u32) -> Range<u32> {
-        self.face_offsets[f as usize]..self.face_offsets[f as usize + 1]
+        self.faces.corners(f)
     }
 
     /// The number of vertices of face `f`.
@@ -143,21 +141,19 @@ impl Mesh {
     /// The face of corner `c`.
     #[inline]
     pub fn corner_face(&self, c: u32) -> u32 {
-        self.corner_face[c as usize]
+        self.faces.of_corner(c)
     }
 
     /// The corner after `c` in its face, counter-clockwise.
     #[inline]
     pub fn next_corner(&self, c: u32) -> u32 {
-        let range = self.corners(self.corner_face(c));
-        if c + 1 == range.end { range.start } else { c + 1 }
+        self.faces.next(c)
     }
 
     /// The corner before `c` in its face, counter-clockwise.
     #[inline]
     pub fn previous_corner(&self, c: u32) -> u32 {
-        let range = self.corners(self.corner_face(c));
-        if c == range.start { range.end - 1 } else { c - 1 }
+        self.faces.previous(c)
     }
 
     /// The two vertices of each edge, in the order of its orientation.

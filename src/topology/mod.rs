@@ -9,6 +9,7 @@
 mod build;
 mod cage;
 mod descriptor;
+mod faces;
 mod half_edge;
 mod mesh;
 mod split;

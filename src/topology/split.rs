@@ -1,5 +1,6 @@
 use rayon::prelude::*;
 
+use super::faces::Faces;
 use super::{HalfEdge, Mesh};
 use crate::memory;
 
@@ -212,11 +213,12 @@ impl Split {
     pub fn refine(&self, parent: &Mesh) -> Mesh {
         let ends = |edge| self.edge_ends(parent, self.edge_parent(edge)).map(|end| self.vertex_of(end));
         let edges = memory::collect((0..self.num_children(1)).into_par_iter().map(ends));
-        let (sides, half_edges) = match self.kind {
-            SplitKind::Quad => (4, self.boundaries::<4>(parent)),
-            SplitKind::Triangle => (3, self.boundaries::<3>(parent)),
+        let num_faces = self.num_children(2);
+        let (faces, half_edges) = match self.kind {
+            SplitKind::Quad => (Faces::Quads(num_faces), self.boundaries::<4>(parent)),
+            SplitKind::Triangle => (Faces::Triangles(num_faces), self.boundaries::<3>(parent)),
         };
-        Mesh::of_equal_faces(self.num_children(0), sides, half_edges, edges)
+        Mesh::complete(self.num_children(0), faces, half_edges, edges)
     }
 
     /// The boundaries of the child faces, one after the other.
