@@ -11,10 +11,11 @@ namespace formwork {
 
 void prefer_huge_pages(std::size_t address, std::size_t bytes) noexcept {
 #if defined(MADV_HUGEPAGE)
-    // Whole pages only, and those that begin and end within.
+    // Every page that holds some of them, the allocator's own words before them too: a mapping of which only a part was
+    // spoken of is two to the system, which then cannot grow it without copying.
     auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
-    std::size_t begin = (address + page - 1) / page * page;
-    std::size_t end = (address + bytes) / page * page;
+    std::size_t begin = address / page * page;
+    std::size_t end = (address + bytes + page - 1) / page * page;
     if (begin < end) {
         // A refusal leaves pages as they are.
         (void)madvise(reinterpret_cast<void *>(static_cast<std::uintptr_t>(begin)), end - begin, MADV_HUGEPAGE);

@@ -167,7 +167,7 @@ impl Refinement {
         workspace: &mut Workspace<T>,
     ) {
         assert_eq!(x.len(), parent.num_cells(K), "a cochain of another mesh");
-        memory::resize(out, self.split.num_children(K), T::zero());
+        memory::reuse(out, self.split.num_children(K), T::zero());
         match K {
             0 => kernel::form0(self, parent, x.values(), out),
             1 => kernel::form1(self, parent, x.values(), out, workspace),

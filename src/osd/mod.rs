@@ -158,8 +158,8 @@ impl Refiner {
         self.masks_except(level, &[])
     }
 
-    /// [`Refiner::masks`], but those of vertices that are `known`, and of edges between two of them, are left 0 and smooth: most
-    /// of a fine level is regular, and whoever knows it need not ask. None is known if it is empty.
+    /// [`Refiner::masks`], but those of vertices that are `known`, and of edges between two of them, are left 0 and
+    /// smooth: most of a fine level is regular, and whoever knows it need not ask. None is known if it is empty.
     ///
     /// # Errors
     /// If there is no level `level + 1`, or neither none nor all vertices are spoken of.

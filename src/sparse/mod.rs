@@ -173,14 +173,14 @@ pub(crate) fn assemble_parts<S: Send>(
     fresh.resize_with(at_once.min(starts.len()), Part::default);
     ready.resize_with(fresh.len(), Part::default);
     let idle = Mutex::new(Vec::new());
-    let (mut all, mut offsets) = (Part::default(), Vec::with_capacity(rows + 1));
+    let (mut all, mut offsets) = (Part::default(), memory::with_capacity(rows + 1));
     offsets.push(0);
     let mut append = |ready: &mut [Part]| {
         for part in ready {
             let before = all.columns.len();
             offsets.extend(part.row_ends.drain(..).map(|end| before + end));
-            all.columns.append(&mut part.columns);
-            all.weights.append(&mut part.weights);
+            memory::append(&mut all.columns, &mut part.columns);
+            memory::append(&mut all.weights, &mut part.weights);
         }
     };
     for starts in starts.chunks(at_once) {

@@ -45,7 +45,7 @@ pub fn form1<T: Quantity>(
 
     // For each half-edge of the level above the sum across its half at its tail, directed to that tail.
     let across = &mut workspace.edges;
-    memory::resize(across, halves.len(), T::zero());
+    memory::reuse(across, halves.len(), T::zero());
     let chunks = across.par_chunks_mut(2 * BLOCK).zip(lefts.par_chunks(2 * BLOCK));
     chunks.zip(halves.par_chunks(2 * BLOCK)).for_each(|((across, lefts), halves)| {
         let edges = across.chunks_exact_mut(2).zip(lefts.chunks_exact(2)).zip(halves.chunks_exact(2));

@@ -28,7 +28,7 @@ pub fn form1<T: Quantity>(
 
     // For each face the sums of its two pairs of edges: from side 0 to side 2, and from side 1 to side 3.
     let pairs = &mut workspace.faces;
-    memory::resize(pairs, 2 * num_faces, T::zero());
+    memory::reuse(pairs, 2 * num_faces, T::zero());
     pairs.par_chunks_mut(2 * BLOCK).zip(corners.par_chunks(4 * BLOCK)).for_each(|(pairs, corners)| {
         for (pair, h) in pairs.chunks_exact_mut(2).zip(corners.chunks_exact(4)) {
             pair[0] = along(c, h[1]) - along(c, h[3]);
@@ -38,7 +38,7 @@ pub fn form1<T: Quantity>(
 
     // For each edge the sum across: six times itself, and its parallels.
     let across = &mut workspace.edges;
-    memory::resize(across, num_edges, T::zero());
+    memory::reuse(across, num_edges, T::zero());
     across.par_chunks_mut(BLOCK).zip(lefts.par_chunks(2 * BLOCK)).enumerate().for_each(
         |(i, (across, lefts))| {
             for ((sum, sides), &own) in across.iter_mut().zip(lefts.chunks_exact(2)).zip(&c[i * BLOCK..]) {

@@ -75,14 +75,14 @@ pub fn form1<T: Quantity>(
 
     // h at the children of the vertices of the level above.
     let at_vertices = &mut workspace.vertices;
-    memory::resize(at_vertices, above.num_vertices(), T::zero());
+    memory::reuse(at_vertices, above.num_vertices(), T::zero());
     at_vertices.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(v, out)| {
         let spokes = above.vertex_half_edges(v as u32).iter();
         *out = spokes.fold(T::zero(), |sum, &h| sum + halves[h.index()]).scale(-1.0 / 16.0);
     });
     // What each corner gives to the four children of the side that it names.
     let sides = &mut workspace.faces;
-    memory::resize(sides, 4 * num_corners, T::zero());
+    memory::reuse(sides, 4 * num_corners, T::zero());
 
     let (odd, even) = out.split_at_mut(4 * num_corners);
     let (inner, outer) = even.split_at_mut(2 * num_corners);

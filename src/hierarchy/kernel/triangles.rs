@@ -22,20 +22,20 @@ pub fn form1<T: Quantity>(
 
     // D.
     let curl = &mut workspace.faces;
-    memory::resize(curl, num_faces, T::zero());
+    memory::reuse(curl, num_faces, T::zero());
     curl.par_iter_mut().with_min_len(BLOCK).zip(corners.par_chunks_exact(3)).for_each(|(curl, h)| {
         *curl = along(c, h[0]) + along(c, h[1]) + along(c, h[2]);
     });
 
     // h at the children of vertices, and at midpoints.
     let at_vertices = &mut workspace.vertices;
-    memory::resize(at_vertices, parent.num_vertices(), T::zero());
+    memory::reuse(at_vertices, parent.num_vertices(), T::zero());
     at_vertices.par_iter_mut().with_min_len(BLOCK).enumerate().for_each(|(v, out)| {
         let spokes = parent.vertex_half_edges(v as u32).iter();
         *out = spokes.fold(T::zero(), |sum, &h| sum + along(c, h)).scale(1.0 / 16.0);
     });
     let at_midpoints = &mut workspace.edges;
-    memory::resize(at_midpoints, num_edges, T::zero());
+    memory::reuse(at_midpoints, num_edges, T::zero());
     at_midpoints.par_iter_mut().with_min_len(BLOCK).zip(lefts.par_chunks_exact(2)).for_each(
         |(out, sides)| {
             if sides[0] != NONE.0 && sides[1] != NONE.0 {
