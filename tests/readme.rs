@@ -146,7 +146,9 @@ fn scipy_reads_the_operators() {
     let python = std::env::var_os("FORMWORK_PYTHON").map_or(root().join(".venv/bin/python"), PathBuf::from);
     assert!(python.exists(), "no {}: run scripts/setup --test", python.display());
     let folder = workplace();
-    run_commands(folder.path());
+    let commands = blocks("sh").concat();
+    let writes = commands.lines().filter(|line| line.starts_with("formwork operators "));
+    assert_eq!(run_lines(&writes.map(|line| format!("{line}\n")).collect::<Vec<_>>(), folder.path()), 1);
     let reader = &blocks("python")[0];
     // The same laws on each level, and the shapes that --help promises.
     let checks = "

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use super::whitney;
 use crate::memory;
 use crate::osd::{Masks, Rule};
-use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
+use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind, wrap};
 
 /// The formula that all rows follow but the exceptions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -220,7 +220,6 @@ impl Regular {
             (_, ChildEdge::Even(h)) => {
                 let Some(corner) = mesh.left_corner(h) else { return };
                 let (fan, place) = mesh.fan_of_corner(corner);
-                let k = fan.corners.len();
                 // Directed m_e -> v.
                 let terms: &[(usize, f64)] = match self {
                     Regular::Catmark => {
@@ -229,7 +228,7 @@ impl Regular {
                     _ => &[(0, 3.0 / 32.0), (1, 1.0 / 32.0), (4, -1.0 / 32.0), (5, -3.0 / 32.0)],
                 };
                 for &(j, weight) in terms {
-                    visit(mesh.corner_face(fan.corners[(place + j) % k]), weight);
+                    visit(mesh.corner_face(fan.corner(place + j)), weight);
                 }
             }
             (Regular::Loop, ChildEdge::Odd(corner)) => {
@@ -310,7 +309,7 @@ impl Regular {
                 let (fan, place) = mesh.fan_of_corner(left(mesh, h));
                 let fan: &[u32; 6] = fan.corners.try_into().expect("six triangles round a regular vertex");
                 for j in 0..6 {
-                    let corner = fan[if place + j < 6 { place + j } else { place + j - 6 }];
+                    let corner = fan[wrap(place + j, 6)];
                     visit(mesh.corner_half_edge(corner), SPOKES[j] / 32.0);
                     if RIMS[j] != 0.0 {
                         visit(mesh.corner_half_edge(mesh.next_corner(corner)), RIMS[j] / 32.0);
@@ -350,9 +349,8 @@ impl Regular {
                     SplitKind::Triangle => &[4.0 / 32.0, 1.0 / 32.0, 1.0 / 32.0, 0.0, 1.0 / 32.0, 1.0 / 32.0],
                 };
                 let (fan, place) = mesh.fan_of_corner(split.parent_corner(mesh, child));
-                let k = weights.len();
                 for (j, &weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-                    visit(mesh.corner_face(fan.corners[(place + j) % k]), weight);
+                    visit(mesh.corner_face(fan.corner(place + j)), weight);
                 }
             }
         }

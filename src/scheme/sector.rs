@@ -1,7 +1,7 @@
 //! Where a spoke stands among the faces of its vertex, once sharp spokes have cut the fan.
 
 use crate::osd::{Rule, Rules};
-use crate::topology::{Fan, HalfEdge, Mesh};
+use crate::topology::{Fan, HalfEdge, Mesh, wrap};
 
 /// The place of a spoke in its fan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,15 +34,15 @@ impl Place {
         match self {
             Place::Smooth { position } => {
                 let x = circular(k);
-                (0..k).for_each(|l| visit(l, x[(l + k - position) % k]));
+                (0..k).for_each(|l| visit(l, x[wrap(l + k - position, k)]));
             }
             Place::Sector { spoke: 0, .. } => {} // a sharp spoke
             Place::Sector { start, faces: n, spoke: q } => match sector(n) {
-                Some(rows) => (0..n).for_each(|r| visit((start + r) % k, rows[q * n + r])),
+                Some(rows) => (0..n).for_each(|r| visit(wrap(start + r, k), rows[q * n + r])),
                 None => {
                     let x = circular(2 * n);
-                    let folded = |r| x[(r + 2 * n - q) % (2 * n)] + x[(4 * n - 1 - r - q) % (2 * n)];
-                    (0..n).for_each(|r| visit((start + r) % k, folded(r)));
+                    let folded = |r| x[wrap(r + 2 * n - q, 2 * n)] + x[wrap(4 * n - 1 - r - q, 2 * n)];
+                    (0..n).for_each(|r| visit(wrap(start + r, k), folded(r)));
                 }
             },
         }
@@ -82,12 +82,15 @@ pub fn for_each_rule<'m>(
 /// The ends of an open fan are cuts. A single cut in a cyclic fan bounds its sector on both sides.
 pub fn place(fan: Fan<'_>, position: usize, cut: impl Fn(usize) -> bool) -> Place {
     let k = fan.corners.len();
-    let is_cut = |i: usize| (!fan.cyclic && i.is_multiple_of(k)) || cut(i % k);
+    let is_cut = |i: usize| {
+        let i = wrap(i, k);
+        (!fan.cyclic && i == 0) || cut(i)
+    };
     match (0..k).find(|&back| is_cut(position + k - back)) {
         None => Place::Smooth { position },
         Some(back) => {
             let on = (1..=k - back).find(|&on| is_cut(position + on)).unwrap_or(k - back);
-            Place::Sector { start: (position + k - back) % k, faces: back + on, spoke: back }
+            Place::Sector { start: wrap(position + k - back, k), faces: back + on, spoke: back }
         }
     }
 }

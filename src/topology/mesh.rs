@@ -53,6 +53,20 @@ pub struct Fan<'a> {
     pub cyclic: bool,
 }
 
+impl Fan<'_> {
+    /// The corner at a position, which may run on once past the last.
+    #[inline]
+    pub fn corner(&self, position: usize) -> u32 {
+        self.corners[wrap(position, self.corners.len())]
+    }
+}
+
+/// `i` modulo `n`, for `i` below `2 n`: without a division, which costs more than a row.
+#[inline]
+pub(crate) fn wrap(i: usize, n: usize) -> usize {
+    if i < n { i } else { i - n }
+}
+
 impl Mesh {
     /// The number of vertices, isolated ones included.
     pub fn num_vertices(&self) -> usize {

@@ -21,6 +21,7 @@ pub use descriptor::{
     BoundaryInterpolation, CollapseReport, Corner, Crease, CreasingMethod, Descriptor, TriangleSubdivision,
 };
 pub use half_edge::HalfEdge;
+pub(crate) use mesh::wrap;
 pub use mesh::{Fan, Mesh};
 pub use split::{ChildEdge, Parent, Split, SplitKind};
 pub use survey::Survey;
