@@ -8,7 +8,8 @@ use rayon::prelude::*;
 use super::complex::{Complex, OCT_EDGES, OCT_FACES, TET_EDGES};
 use super::linear::Linear;
 use super::whitney::WhitneyTet;
-use crate::cochain::Cochain;
+use crate::cochain::{Cochain, Quantity};
+use crate::sparse::{Csr, dot, row_of};
 
 type Vec3 = Vector3<f64>;
 type Positions = Cochain<0, Vec3>;
@@ -250,14 +251,15 @@ fn oct_of(complex: &Complex, positions: &[Vec3], form: Forms, o: usize) -> Oct {
 /// it. Each part is moved to the origin and drawn at twice its size, with the values of forms that have the same
 /// vectors then: so no digits are lost on the way down.
 fn descend(mut oct: Oct, mut x: Vec3) -> (Tet, Vec3) {
-    // One octahedron and its children, the same for all.
-    static SPLIT: OnceLock<[Complex; 2]> = OnceLock::new();
-    let [whole, parts] = SPLIT.get_or_init(|| {
+    // One octahedron and its children, and what refines its cochains: the same for all.
+    static SPLIT: OnceLock<([Complex; 2], [Csr; 4])> = OnceLock::new();
+    let ([whole, parts], operators) = SPLIT.get_or_init(|| {
         let whole = Complex::new(6, vec![], vec![[0, 1, 2, 3, 4, 5]]).expect("an octahedron");
         let parts = whole.split().expect("its children");
-        [whole, parts]
+        let operators = [0, 1, 2, 3].map(|r| Linear::default().operator(&whole, r));
+        ([whole, parts], operators)
     });
-    let scheme = Linear::default();
+    let [s0, s1, s2, s3] = operators;
     for level in 0.. {
         // The cochains of the one octahedron, oriented as its complex is.
         let mut edges = [0.0; 12];
@@ -269,11 +271,11 @@ fn descend(mut oct: Oct, mut x: Vec3) -> (Tet, Vec3) {
         for (value, side) in oct.fluxes.iter().zip(whole.oct_faces[0]) {
             triangles[side.triangle() as usize] = value * side.sign();
         }
-        let positions = scheme.refine(whole, &Cochain::<0, Vec3>::new(oct.vertices.to_vec())).into_values();
-        let values = scheme.refine(whole, &Cochain::<0>::new(oct.values.to_vec())).into_values();
-        let edges = scheme.refine(whole, &Cochain::<1>::new(edges.to_vec())).into_values();
-        let triangles = scheme.refine(whole, &Cochain::<2>::new(triangles.to_vec())).into_values();
-        let cells = scheme.refine(whole, &Cochain::<3>::new(vec![oct.integral])).into_values();
+        let positions = refine(s0, &oct.vertices);
+        let values = refine(s0, &oct.values);
+        let edges = refine(s1, &edges);
+        let triangles = refine(s2, &triangles);
+        let cells = refine(s3, &[oct.integral]);
 
         let at = |v: u32| positions[v as usize];
         let in_tet = |t: usize| depth(parts.tets[t].map(at), x);
@@ -305,6 +307,11 @@ fn descend(mut oct: Oct, mut x: Vec3) -> (Tet, Vec3) {
         };
     }
     unreachable!("the loop ends at its depth")
+}
+
+/// A few values refined, by this thread alone.
+fn refine<T: Quantity>(operator: &Csr, x: &[T]) -> Vec<T> {
+    (0..operator.rows()).map(|i| dot(row_of(operator, i), x).unwrap_or(T::zero())).collect()
 }
 
 /// The least barycentric coordinate of a point: how deep in a tetrahedron it lies.
