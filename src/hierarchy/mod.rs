@@ -127,7 +127,9 @@ impl Hierarchy {
                 before.map_or(Vec::new(), |(r, above)| scheme.regular_children(above, &r.split, &r.homotopy));
             let masks = refiner.masks_except(l - 1, &known)?;
             let homotopy = scheme.homotopy(kind, &parent, &masks, &known);
-            let refinement = Refinement::new(&parent, hierarchy.finest().above(), split, homotopy);
+            let above = hierarchy.finest().above();
+            let top = l.checked_sub(2).and_then(|l| hierarchy.level(l).above());
+            let refinement = Refinement::new(&parent, [above, top], split, homotopy);
             hierarchy.refinements.push(refinement);
             hierarchy.levels.push(Level::refined(parent, split, refiner.tags(l)?));
             progress(l);

@@ -16,8 +16,9 @@ pub struct Refinement {
     pub(super) homotopy: Homotopy,
     /// The rows of `S1` that are exceptions, where those of `H1` are.
     pub(super) s1_exceptions: Exceptions,
-    /// The level above the parent, if its faces are those that the formulas are for.
-    pub(super) above: Option<Arc<Mesh>>,
+    /// The level whose faces are the blocks of the kernel of 1-forms, if they are those that the formulas are for: on quads
+    /// the level above the parent, on triangles the one above that.
+    pub(super) blocks: Option<Arc<Mesh>>,
     /// On quads, for each half-edge that leaves a vertex which is regular in the parent the one that reaches it
     /// straight on, [`NONE`] for the others: half-edges of the level above, if there is one, else of the parent.
     pub(super) continued: Vec<HalfEdge>,
@@ -38,17 +39,23 @@ pub struct Operators {
 }
 
 impl Refinement {
-    pub(super) fn new(parent: &Mesh, above: Option<&Arc<Mesh>>, split: Split, homotopy: Homotopy) -> Self {
+    /// `above` is the level above the parent and `top` the one above that, as far as there are.
+    pub(super) fn new(
+        parent: &Mesh,
+        [above, top]: [Option<&Arc<Mesh>>; 2],
+        split: Split,
+        homotopy: Homotopy,
+    ) -> Self {
         let quads = homotopy.regular == Regular::Catmark;
-        let above = match homotopy.regular {
+        let blocks = match homotopy.regular {
             Regular::Catmark => above.filter(|above| above.uniform_face_size() == Some(4)).cloned(),
-            Regular::Loop => above.cloned(),
+            Regular::Loop => top.cloned(),
             Regular::Whitney => None,
         };
         let mut continued = Vec::new();
         if quads {
             // Vertices keep their numbers: one of the level above is regular in the parent or not.
-            let mesh = above.as_deref().unwrap_or(parent);
+            let mesh = blocks.as_deref().unwrap_or(parent);
             continued = memory::filled(NONE, 2 * mesh.num_edges());
             for v in (0..mesh.num_vertices() as u32).filter(|&v| homotopy.h0.position(v as usize).is_none()) {
                 let fan = mesh.fans(v).next().expect("a regular vertex has a fan").corners;
@@ -63,13 +70,13 @@ impl Refinement {
             |edge| homotopy.h1.position(edge).is_some(),
             |edge, row| add_s1_row(&split, &homotopy, parent, edge, 1.0, row),
         );
-        Refinement { split, homotopy, s1_exceptions, above, continued }
+        Refinement { split, homotopy, s1_exceptions, blocks, continued }
     }
 
     /// The half-edge of the parent that reaches the tail of `h`, a regular vertex of a mesh of quads, straight on.
     #[inline]
     pub(super) fn continued(&self, h: HalfEdge) -> HalfEdge {
-        let Some(above) = &self.above else { return self.continued[h.index()] };
+        let Some(above) = &self.blocks else { return self.continued[h.index()] };
         let inside = above.num_corners() as u32;
         let leaves_midpoint_or_centre = h.sign() > 0.0;
         match h.edge() {

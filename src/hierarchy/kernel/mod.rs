@@ -7,14 +7,16 @@
 //! ```
 //!
 //! Where the mesh is regular the sums are arranged so that each number is fetched as few times as possible:
-//! [`quad_blocks`] and [`triangle_blocks`] from the second level on, [`quads`] and [`triangles`] before. The rest, vertices of other valences and features, are exceptions, whose
-//! rows are stored. Each child is computed by one thread, in a fixed order of additions, so that results are
+//! [`quad_blocks`] from the second level on, [`triangle_blocks`] from the third, [`quads`] and [`triangles`] before. The
+//! rest, vertices of other valences and features, are exceptions, whose rows are stored. Each child is computed by one
+//! thread, in a fixed order of additions, so that results are
 //! bitwise the same for any number of threads.
 
 mod quad_blocks;
 mod quads;
 mod triangle_blocks;
 mod triangles;
+mod vectors;
 
 use rayon::prelude::*;
 
@@ -69,14 +71,14 @@ pub(super) fn form1<T: Quantity>(
     out: &mut [T],
     workspace: &mut Workspace<T>,
 ) {
-    match (r.homotopy.regular, &r.above) {
+    match (r.homotopy.regular, &r.blocks) {
         (Regular::Catmark, Some(above)) => quad_blocks::form1(r, above, c, out, workspace),
         // A mesh with other faces is exceptional throughout.
         (Regular::Catmark, None) if parent.uniform_face_size() == Some(4) => {
             quads::form1(r, parent, c, out, workspace)
         }
         (Regular::Loop, None) => triangles::form1(r, parent, c, out, workspace),
-        (Regular::Loop, Some(above)) => triangle_blocks::form1(r, above, c, out, workspace),
+        (Regular::Loop, Some(top)) => triangle_blocks::form1(r, top, c, out, workspace),
         (Regular::Catmark, None) => {
             let chunks = out.par_chunks_mut(BLOCK).enumerate();
             chunks.for_each(|(i, out)| patch(r, c, BLOCK * i, out));
