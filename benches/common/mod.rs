@@ -7,22 +7,30 @@ use std::time::{Duration, Instant};
 pub mod meshes;
 pub mod surfaces;
 
+/// The fewest rounds that count; short ones are repeated until they have taken this long together.
 pub const RUNS: usize = 5;
+const ENOUGH: Duration = Duration::from_millis(500);
+const MOST_RUNS: usize = 101;
 
 /// Times the tasks in turn, over and over, so that a drift of the machine meets all alike; medians in
-/// milliseconds.
+/// milliseconds. The first round does not count: in it memory is touched and threads are started.
 pub fn paired<const N: usize>(mut tasks: [&mut dyn FnMut(); N]) -> [f64; N] {
     let mut times = [const { Vec::new() }; N];
-    for _ in 0..RUNS {
-        for (task, times) in tasks.iter_mut().zip(&mut times) {
+    let mut round = |times: &mut [Vec<Duration>; N]| {
+        for (task, times) in tasks.iter_mut().zip(times) {
             let start = Instant::now();
             task();
             times.push(start.elapsed());
         }
+    };
+    round(&mut [const { Vec::new() }; N]);
+    let start = Instant::now();
+    while times[0].len() < RUNS || (start.elapsed() < ENOUGH && times[0].len() < MOST_RUNS) {
+        round(&mut times);
     }
     times.map(|mut times: Vec<Duration>| {
         times.sort_unstable();
-        times[RUNS / 2].as_secs_f64() * 1e3
+        times[times.len() / 2].as_secs_f64() * 1e3
     })
 }
 

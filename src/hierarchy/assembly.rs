@@ -4,6 +4,7 @@
 use std::borrow::Cow;
 
 use super::refinement::Refinement;
+use super::wheel::{EdgeRows, FaceRows, Last};
 use crate::scheme::Regular;
 use crate::sparse::{Csr, Exceptions, assemble_in_place};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, SplitKind};
@@ -85,11 +86,38 @@ pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
 }
 
 pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
-    rows_of_s1(r, parent).matrix()
+    let rows = rows_of_s1(r, parent);
+    if r.homotopy.regular != Regular::Loop {
+        return rows.matrix();
+    }
+    let regular = EdgeRows::new(r, parent);
+    rows.matrix_by(Last::default, |last, edge, columns, weights| match r.split.edge_parent(edge) {
+        ChildEdge::Odd(corner) => regular.odd(corner, last, columns, weights),
+        ChildEdge::Even(h) => regular.even(h, columns, weights),
+    })
 }
 
 pub fn s2(r: &Refinement, parent: &Mesh) -> Csr {
-    rows_of_s2(r, parent).matrix()
+    let rows = rows_of_s2(r, parent);
+    if r.homotopy.regular != Regular::Loop {
+        return rows.matrix();
+    }
+    let regular = FaceRows::new(r, parent);
+    let middle = |face, terms: &mut Terms| {
+        terms.len = 0;
+        r.homotopy.regular.s2(parent, &r.split, face, |f, weight| terms.push(f, weight));
+    };
+    rows.matrix_by(Terms::default, |terms, face, columns, weights| match face % 4 {
+        3 => {
+            middle(face, terms);
+            terms.write::<4>(&mut columns[..4], &mut weights[..4]);
+            4
+        }
+        _ => {
+            let vertex = parent.corner_vertex(r.split.parent_corner(parent, face));
+            regular.at(vertex, face as u32 / 4, columns, weights)
+        }
+    })
 }
 
 fn rows_of_s0<'a>(
@@ -177,6 +205,25 @@ fn rows_of_s2<'a>(
 impl<Length: Fn(usize) -> usize, Fill: Fn(usize, &mut Terms) + Sync> Mixed<'_, Length, Fill> {
     fn matrix(self) -> Csr {
         let Mixed { shape, exceptions, length, regular } = self;
+        let write = |terms: &mut Terms, row: usize, columns: &mut [u32], weights: &mut [f64]| {
+            terms.len = 0;
+            regular(row, terms);
+            write_sorted(terms, &mut columns[..terms.len], &mut weights[..terms.len]);
+            terms.len
+        };
+        Mixed { shape, exceptions, length, regular: () }.matrix_by(Terms::default, write)
+    }
+}
+
+impl<Length: Fn(usize) -> usize, Fill> Mixed<'_, Length, Fill> {
+    /// The matrix whose regular rows `write(scratch, row, columns, weights)` writes to the beginning of two slices, where
+    /// what follows belongs to later rows; it says how long they are.
+    fn matrix_by<S>(
+        self,
+        scratch: impl Fn() -> S + Sync,
+        write: impl Fn(&mut S, usize, &mut [u32], &mut [f64]) -> usize + Sync,
+    ) -> Csr {
+        let Mixed { shape, exceptions, length, .. } = self;
         if exceptions.members().len() == shape.0 {
             return exceptions.into_owned().into_rows();
         }
@@ -186,22 +233,21 @@ impl<Length: Fn(usize) -> usize, Fill: Fn(usize, &mut Terms) + Sync> Mixed<'_, L
             None => length(row),
         });
         assemble_in_place(shape, lengths, |rows, offsets, columns, weights| {
-            let mut terms = Terms::default();
+            let mut scratch = scratch();
             let mut members = exceptions.among(rows.clone()).peekable();
             let base = offsets[rows.start];
             for row in rows {
-                let place = offsets[row] - base..offsets[row + 1] - base;
-                let (columns, weights) = (&mut columns[place.clone()], &mut weights[place]);
+                let (start, len) = (offsets[row] - base, offsets[row + 1] - offsets[row]);
+                let (columns, weights) = (&mut columns[start..], &mut weights[start..]);
                 match members.next_if(|&position| exceptions.members()[position] as usize == row) {
                     Some(position) => {
                         let (stored_columns, stored_weights) = exceptions.stored(position);
-                        columns.copy_from_slice(stored_columns);
-                        weights.copy_from_slice(stored_weights);
+                        columns[..len].copy_from_slice(stored_columns);
+                        weights[..len].copy_from_slice(stored_weights);
                     }
                     None => {
-                        terms.len = 0;
-                        regular(row, &mut terms);
-                        write_sorted(&terms, columns, weights);
+                        let written = write(&mut scratch, row, columns, weights);
+                        assert_eq!(written, len, "a regular row of another length");
                     }
                 }
             }
@@ -211,7 +257,6 @@ impl<Length: Fn(usize) -> usize, Fill: Fn(usize, &mut Terms) + Sync> Mixed<'_, L
 
 #[inline]
 fn write_sorted(terms: &Terms, columns: &mut [u32], weights: &mut [f64]) {
-    assert_eq!(terms.len, columns.len(), "a regular row of another length");
     match terms.len {
         0 => {}
         1 => terms.write::<1>(columns, weights),

@@ -6,6 +6,7 @@ mod composed;
 mod kernel;
 mod level;
 mod refinement;
+mod wheel;
 
 pub(crate) use budget::available_memory;
 pub use kernel::Workspace;

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use super::whitney;
 use crate::memory;
 use crate::osd::{Masks, Rule};
-use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind, wrap};
+use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
 
 /// The formula that all rows follow but the exceptions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -304,30 +304,15 @@ impl Regular {
                 }
             }
             (Regular::Loop, ChildEdge::Even(h)) => {
-                const SPOKES: [f64; 6] = [-8.0, -2.0, 1.0, 2.0, 1.0, -2.0];
-                const RIMS: [f64; 6] = [1.0, 1.0, 0.0, 0.0, -1.0, -1.0];
                 let (fan, place) = mesh.fan_of_corner(left(mesh, h));
-                let fan: &[u32; 6] = fan.corners.try_into().expect("six triangles round a regular vertex");
-                for j in 0..6 {
-                    let corner = fan[wrap(place + j, 6)];
-                    visit(mesh.corner_half_edge(corner), SPOKES[j] / 32.0);
-                    if RIMS[j] != 0.0 {
-                        visit(mesh.corner_half_edge(mesh.next_corner(corner)), RIMS[j] / 32.0);
-                    }
-                }
+                let corners = std::array::from_fn(|j| fan.corner(place + j));
+                let edges = spokes_and_rims(mesh, &corners).into_iter().zip(EVEN);
+                edges.filter(|(_, weight)| *weight != 0.0).for_each(|(h, weight)| visit(h, weight));
             }
             (Regular::Loop, ChildEdge::Odd(corner)) => {
-                let (next, previous) = (mesh.next_corner(corner), mesh.previous_corner(corner));
-                // The corners of v in the triangles before and after, (v, w_-1, w0) and (v, w1, w2).
-                let before = mesh.next_corner(left(mesh, mesh.corner_half_edge(corner).twin()));
-                let after = left(mesh, mesh.corner_half_edge(previous).twin());
-                visit(mesh.corner_half_edge(next), 6.0 / 32.0);
-                visit(mesh.corner_half_edge(previous), -3.0 / 32.0);
-                visit(mesh.corner_half_edge(corner), -3.0 / 32.0);
-                visit(mesh.corner_half_edge(before), -3.0 / 32.0);
-                visit(mesh.corner_half_edge(mesh.next_corner(before)), 1.0 / 32.0);
-                visit(mesh.corner_half_edge(mesh.previous_corner(after)), -3.0 / 32.0);
-                visit(mesh.corner_half_edge(mesh.next_corner(after)), 1.0 / 32.0);
+                let corners = [corner, mesh.next_corner(corner), mesh.previous_corner(corner)];
+                let edges = sides_and_across(mesh, corners).into_iter().zip(ODD);
+                edges.filter(|(_, weight)| *weight != 0.0).for_each(|(h, weight)| visit(h, weight));
             }
         }
     }
@@ -346,7 +331,7 @@ impl Regular {
             (_, kind) => {
                 let weights: &[f64] = match kind {
                     SplitKind::Quad => &[9.0 / 64.0, 3.0 / 64.0, 1.0 / 64.0, 3.0 / 64.0],
-                    SplitKind::Triangle => &[4.0 / 32.0, 1.0 / 32.0, 1.0 / 32.0, 0.0, 1.0 / 32.0, 1.0 / 32.0],
+                    SplitKind::Triangle => &CORNER,
                 };
                 let (fan, place) = mesh.fan_of_corner(split.parent_corner(mesh, child));
                 for (j, &weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
@@ -355,6 +340,48 @@ impl Regular {
             }
         }
     }
+}
+
+const fn over_32<const N: usize>(mut weights: [f64; N]) -> [f64; N] {
+    let mut i = 0;
+    while i < N {
+        weights[i] /= 32.0;
+        i += 1;
+    }
+    weights
+}
+
+/// On triangles, the row of `S1` of the half `m_e -> v` of an edge, on what [`spokes_and_rims`] gives for the fan of `v`
+/// that begins at the edge.
+pub const EVEN: [f64; 12] = over_32([-8.0, -2.0, 1.0, 2.0, 1.0, -2.0, 1.0, 1.0, 0.0, 0.0, -1.0, -1.0]);
+
+/// On triangles, the row of `S1` of an odd child edge, on what [`sides_and_across`] gives for its face from its corner on.
+pub const ODD: [f64; 9] = over_32([-3.0, 6.0, -3.0, -3.0, 1.0, 0.0, 0.0, 1.0, -3.0]);
+
+/// On triangles, the row of `S2` of the child at a corner, on the faces round its vertex.
+pub const CORNER: [f64; 6] = over_32([4.0, 1.0, 1.0, 0.0, 1.0, 1.0]);
+
+/// Round a regular vertex of triangles, from its first corner on: the spokes, and the edges opposite.
+#[inline]
+pub fn spokes_and_rims(mesh: &Mesh, fan: &[u32; 6]) -> [HalfEdge; 12] {
+    std::array::from_fn(|i| match i {
+        0..6 => mesh.corner_half_edge(fan[i]),
+        _ => mesh.corner_half_edge(mesh.next_corner(fan[i - 6])),
+    })
+}
+
+/// The sides of a triangle, and for each of them the next two in the triangle across; where there is none the side itself.
+#[inline]
+pub fn sides_and_across(mesh: &Mesh, corners: [u32; 3]) -> [HalfEdge; 9] {
+    let side = |i: usize| mesh.corner_half_edge(corners[i]);
+    let mut edges = [side(0), side(1), side(2), side(0), side(0), side(1), side(1), side(2), side(2)];
+    for i in 0..3 {
+        if let Some(across) = mesh.left_corner(edges[i].twin()) {
+            edges[3 + 2 * i] = mesh.corner_half_edge(mesh.next_corner(across));
+            edges[4 + 2 * i] = mesh.corner_half_edge(mesh.previous_corner(across));
+        }
+    }
+    edges
 }
 
 /// The corner of a regular half-edge, which has faces on both sides.
