@@ -5,10 +5,11 @@ mod common;
 
 use common::shapes::{Shape, shapes};
 use common::{EXACT, assert_laws, meshes, triangle_schemes};
+use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
 use formwork::scheme::{BoundaryRule, DooSabin, Scheme, Variant};
-use formwork::sparse::{max_difference, multiply};
+use formwork::sparse::{apply, max_difference, multiply};
 use formwork::topology::{Cage, Crease, HalfEdge, Parent, SplitKind, TopologyError};
 
 const LOOP: Scheme = Scheme::Loop(Variant::Loop, BoundaryRule::Reflect);
@@ -43,7 +44,7 @@ fn assert_laws_on_shapes(family: &str, schemes: &[Scheme]) {
     println!("{} {family} shapes: worst law {worst:.1e}, worst S0 weight {worst_s0:.1e}", shapes.len());
 }
 
-/// Operators over several levels against the products of those of each level.
+/// Operators over several levels against the products of those of each level, and the kernel of 1-forms against `S1`.
 fn assert_composed(name: &str, cage: &Cage, scheme: Scheme) {
     let hierarchy = Hierarchy::new(cage, scheme, 3).unwrap_or_else(|error| panic!("{name}: {error}"));
     for degree in 0..3 {
@@ -54,6 +55,14 @@ fn assert_composed(name: &str, cage: &Cage, scheme: Scheme) {
             let off = max_difference(&hierarchy.composed_operator(degree, from, to), &product);
             assert!(off <= EXACT, "{name}, {scheme:?}, degree {degree}, {from} to {to}: {off:e}");
         }
+    }
+    for level in 1..=3 {
+        let edges = hierarchy.level(level - 1).mesh().num_edges();
+        let form = Cochain::<1>::new((0..edges).map(|e| (e as f64 * 0.37).sin()).collect());
+        let (kernel, product) =
+            (hierarchy.refine(level, &form), apply(&hierarchy.operator(1, level), form.values()));
+        let off = kernel.values().iter().zip(&product).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off <= EXACT, "{name}, {scheme:?}, level {level} without a matrix: {off:e}");
     }
 }
 
