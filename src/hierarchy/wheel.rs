@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::refinement::Refinement;
 use crate::memory;
-use crate::scheme::regular::{CORNER, EVEN, ODD, sides_and_across, spokes_and_rims};
+use crate::scheme::triangle_rows::{CORNER, EVEN, ODD, sides_and_across, spokes_and_rims};
 use crate::topology::{HalfEdge, Mesh};
 
 /// Columns in ascending order, each with the place where it was and, for an edge, whether it is seen against its

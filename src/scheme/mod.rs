@@ -29,6 +29,7 @@ pub mod modified_loop;
 pub mod regular;
 pub(crate) mod sector;
 mod tables;
+pub(crate) mod triangle_rows;
 pub mod whitney;
 
 pub(crate) use correction::FaceRows;

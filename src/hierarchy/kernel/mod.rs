@@ -12,6 +12,7 @@
 //! thread, in a fixed order of additions, so that results are
 //! bitwise the same for any number of threads.
 
+mod family;
 mod quad_blocks;
 mod quads;
 mod triangle_blocks;

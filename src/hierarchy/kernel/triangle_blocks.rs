@@ -2,18 +2,11 @@
 //!
 //! The children of a triangle are numbered by rule, so the incidence of the level two above, sixteen times smaller, tells
 //! where everything is; and what a block of sixteen triangles needs of its surroundings is fetched once for all of them. A
-//! block has four families, three at its corners and one in the middle. In a family, whose corners are `v_i` and midpoints
-//! `m_i` (of `v_i -> v_{i+1}`), write
+//! block has four families, see [`super::family`], three at its corners and one in the middle: family `i` lies at corner
+//! `i`, and side `i` of the block is the side `i` of that family, then that of the next.
 //!
-//! ```text
-//! a_i = c(v_i -> m_i)        b_i = c(m_i -> v_{i+1})        o_i = c(m_i -> m_{i-1})
-//! D_i = a_i + o_i + b_{i-1} on the child at v_i        D = -(o_0 + o_1 + o_2) on the one in the middle
-//! ```
-//!
-//! and let a prime mark the family across side `i`, in which that side has number `t`. Then the rows of
-//! [`Regular::s1`](crate::scheme::Regular::s1) become sums over these. A child of a half of side `i` looks at both
-//! families beside the side and, at its far end, at all round that vertex: it is the sum of what the two corners that
-//! name the side give to it, each computed with its own family, and of
+//! A child of a half of a side of a family looks at both families beside the side and, at its far end, at all round that
+//! vertex: it is the sum of what the two corners that name the side give to it, each computed with its own family, and of
 //!
 //! ```text
 //! at the midpoint     (c_0 + c_1)/16 - c/2      c the half of the side, c_0 and c_1 both, away from the midpoint
@@ -21,9 +14,14 @@
 //! ```
 //!
 //! Where a family across is missing, what is computed stands for nothing: those child edges are exceptions.
+//!
+//! A block is fetched, computed and stored in turn, by way of small arrays. Compiled for long vectors that is half again as
+//! fast as all at once, mostly because it leaves for memory in long stores; several blocks side by side in the lanes of
+//! vectors were slower.
 
 use rayon::prelude::*;
 
+use super::family::{Children, Family, complete};
 use super::triangles::next;
 use super::vectors::{self, Part};
 use super::{BLOCK, Workspace, patch};
@@ -69,33 +67,31 @@ pub fn form1<T: Quantity>(r: &Refinement, top: &Mesh, c: &[T], out: &mut [T], wo
     let chunks = odd.par_chunks_mut(48 * BLOCK).zip(even.par_chunks_mut(24 * BLOCK));
     let chunks = chunks.zip(halved.par_chunks_mut(12 * BLOCK)).zip(sides.par_chunks_mut(24 * BLOCK));
     chunks.enumerate().for_each(|(i, (((odd, even), halved), sides))| {
-        let first = 3 * BLOCK * i;
-        vectors::run(Run {
+        let first = BLOCK * i;
+        vectors::run(Insides {
             blocks: &blocks,
-            first: BLOCK * i,
+            first,
             odd: odd.as_chunks_mut().0,
             even: even.as_chunks_mut().0,
             halved: halved.as_chunks_mut().0,
             sides: sides.as_chunks_mut().0,
         });
-        patch(r, c, 16 * first, odd);
-        patch(r, c, 16 * num_corners + 8 * first, even);
-        patch(r, c, 24 * num_corners + 4 * first, halved);
+        patch(r, c, 48 * first, odd);
+        patch(r, c, 16 * num_corners + 24 * first, even);
+        patch(r, c, 24 * num_corners + 12 * first, halved);
     });
 
     let (sides, _) = sides.as_chunks::<8>();
     rest.par_chunks_mut(8 * BLOCK).enumerate().for_each(|(i, out)| {
         let first = BLOCK * i;
-        let (own, beside) = (outer[4 * first..].as_chunks().0, lefts[2 * first..].as_chunks().0);
-        let out_of = out.as_chunks_mut().0;
         vectors::run(Edges {
-            own,
-            beside,
+            own: outer[4 * first..].as_chunks().0,
+            beside: lefts[2 * first..].as_chunks().0,
             ends: &top.edges()[first..],
             at_vertices,
             at_midpoints: &at_midpoints[first..],
             sides,
-            out: out_of,
+            out: out.as_chunks_mut().0,
         });
         patch(r, c, 28 * num_corners + 8 * first, out);
     });
@@ -161,18 +157,8 @@ struct Blocks<'a, T> {
     at_midpoints: &'a [T],
 }
 
-/// A family and its surroundings, all divided by 32.
-#[derive(Clone, Copy)]
-struct Family<T> {
-    a: [T; 3],
-    b: [T; 3],
-    o: [T; 3],
-    /// `a'_{t+1}`, `o'_{t+1}`, `o'_t`, `b'_{t-1}` across each side.
-    across: [[T; 4]; 3],
-}
-
 /// A run of blocks, and where their child edges go.
-struct Run<'a, T> {
+struct Insides<'a, T> {
     blocks: &'a Blocks<'a, T>,
     first: usize,
     odd: &'a mut [[T; 48]],
@@ -181,7 +167,7 @@ struct Run<'a, T> {
     sides: &'a mut [[T; 24]],
 }
 
-impl<T: Quantity> Part for Run<'_, T> {
+impl<T: Quantity> Part for Insides<'_, T> {
     #[inline(always)]
     fn run(self) {
         let out = self.odd.iter_mut().zip(self.even).zip(self.halved).zip(self.sides);
@@ -203,11 +189,10 @@ impl<T: Quantity> Blocks<'_, T> {
         halved: &mut [T; 12],
         sides: &mut [T; 24],
     ) {
-        let zero = T::zero();
-        let mut families = [Family { a: [zero; 3], b: [zero; 3], o: [zero; 3], across: [[zero; 4]; 3] }; 4];
+        let mut families = [Family::zero(); 4];
         self.fetch(block, &mut families);
         complete(&mut families);
-        let mut children = [Children { odd: [zero; 12], even: [zero; 6], sides: [zero; 12] }; 4];
+        let mut children = [Children::zero(); 4];
         for (family, children) in families.iter().zip(&mut children) {
             family.refine(children);
         }
@@ -225,7 +210,6 @@ impl<T: Quantity> Blocks<'_, T> {
             let at = [at(i), at(p)];
             let four = halve(own, at, children[i].side(n), children[3].side(n));
             halved[4 * i..4 * i + 4].copy_from_slice(&four);
-            // Side i of the block is that of family i, then that of the next.
             sides[8 * i..8 * i + 4].copy_from_slice(&children[i].side(i));
             sides[8 * i + 4..8 * i + 8].copy_from_slice(&children[n].side(i));
         }
@@ -243,7 +227,6 @@ impl<T: Quantity> Blocks<'_, T> {
         for i in 0..3 {
             let n = (i + 1) % 3;
             (families[i].a[n], families[i].b[n]) = (inner[2 * i], inner[2 * i + 1]);
-            // Side i of the block is that of family i, then that of the next.
             let h = corners[i];
             let (there, back) = (self.quarters(h), self.quarters(h.twin()));
             (families[i].a[i], families[i].b[i]) = (there[1], there[0]);
@@ -270,111 +253,5 @@ impl<T: Quantity> Blocks<'_, T> {
     #[inline(always)]
     fn quarters(&self, h: HalfEdge) -> &[T] {
         &self.outer[2 * h.index()..2 * h.index() + 2]
-    }
-}
-
-/// Signs and units, and what the families of a block have from each other. Side `n` of family `n - 1` is side `n` of the
-/// one in the middle.
-#[inline(always)]
-fn complete<T: Quantity>(families: &mut [Family<T>; 4]) {
-    let (plus, minus) = (|x: T| x.scale(1.0 / 32.0), |x: T| x.scale(-1.0 / 32.0));
-    for (i, family) in families.iter_mut().enumerate().take(3) {
-        for j in 0..3 {
-            (family.a[j], family.b[j]) = (minus(family.a[j]), plus(family.b[j]));
-        }
-        for side in [i, (i + 2) % 3] {
-            let [a, o1, o0, b] = family.across[side];
-            family.across[side] = [minus(a), plus(o1), plus(o0), plus(b)];
-        }
-    }
-    for family in families.iter_mut() {
-        for j in 0..3 {
-            family.o[j] = plus(family.o[j]);
-        }
-    }
-    for i in 0..3 {
-        let n = (i + 1) % 3;
-        // Seen from the middle, the same edge runs the other way.
-        families[3].a[n] = T::zero() - families[i].b[n];
-        families[3].b[n] = T::zero() - families[i].a[n];
-    }
-    for i in 0..3 {
-        let n = (i + 1) % 3;
-        families[i].across[n] = families[3].seen_across(n);
-        families[3].across[n] = families[i].seen_across(n);
-    }
-}
-
-/// The child edges inside a family: 12 in its triangles, 6 halves of the edges that part these; and for each side what
-/// it gives to its children, the one next to its midpoint and the one next to `v_i`, then the two at `v_{i+1}`.
-#[derive(Clone, Copy)]
-struct Children<T> {
-    odd: [T; 12],
-    even: [T; 6],
-    sides: [T; 12],
-}
-
-impl<T: Copy> Children<T> {
-    #[inline(always)]
-    fn side(&self, i: usize) -> [T; 4] {
-        [self.sides[4 * i], self.sides[4 * i + 1], self.sides[4 * i + 2], self.sides[4 * i + 3]]
-    }
-}
-
-impl<T: Quantity> Family<T> {
-    /// What the family across side `t` sees of this one.
-    #[inline(always)]
-    fn seen_across(&self, t: usize) -> [T; 4] {
-        let (n, p) = ((t + 1) % 3, (t + 2) % 3);
-        [self.a[n], self.o[n], self.o[t], self.b[p]]
-    }
-
-    #[inline(always)]
-    fn refine(&self, out: &mut Children<T>) {
-        let Family { a, b, o, .. } = self;
-        let d = [a[0] + o[0] + b[2], a[1] + o[1] + b[0], a[2] + o[2] + b[1]];
-        let middle = T::zero() - (o[0] + o[1] + o[2]);
-        self.third([0, 1, 2], &d, middle, out);
-        self.third([1, 2, 0], &d, middle, out);
-        self.third([2, 0, 1], &d, middle, out);
-    }
-
-    /// What belongs to corner `i`, the next one `n` and the previous one `p`; `d` the curls of the children at the corners.
-    ///
-    /// The row of an odd child edge cuts the corner between the half-edges `e_j` and `e_{j-1}` of its face; with the
-    /// curl `D` of the face, and `x`, `y` the half-edges after and before the twin of `e_j` in the face beyond, `z`, `w`
-    /// those of `e_{j-1}`, it is `9 e_{j+1} - 3 D + (y - 3 x) + (z - 3 w)`.
-    #[inline(always)]
-    fn third(&self, [i, n, p]: [usize; 3], d: &[T; 3], middle: T, out: &mut Children<T>) {
-        let Family { a, b, o, across } = self;
-        let Children { odd, even, sides } = out;
-        let three = |x: T| x.scale(3.0);
-        let nine = |x: T| x.scale(9.0);
-        let two = |x: T| x + x;
-        // Across side i, and across side p.
-        let ([a1, o1, o0, _], [_, _, o2, b2]) = (across[i], across[p]);
-        let d3 = three(d[i]);
-
-        // The child at v_i: a_i, o_i, b_p. At v_i, at m_i and at m_p.
-        odd[3 * i + i] = nine(o[i]) - d3 + (o1 - three(a1)) + (o2 - three(b2));
-        odd[3 * i + n] = nine(b[p]) - d3 + (three(o[n]) - o[p]) + (a1 - three(o1));
-        odd[3 * i + p] = nine(a[i]) - d3 + (b2 - three(o2)) + (three(o[p]) - o[n]);
-        // The middle runs against o: at m_n it leaves o_p and is reached by o_n.
-        odd[9 + i] = (a[p] - three(b[n])) + (b[i] - three(a[n])) - nine(o[i]) - three(middle);
-
-        // The half of o_i at m_i, and that at m_p: spokes of the one and of the other, then their rims.
-        let spokes = two(a[i] + o[n] + o0) + b[i] - o1 - o[i].scale(8.0);
-        even[2 * i] = spokes + (b[p] + a1) - (a[n] - o[p]);
-        let [_, o1, o0, b2] = across[p];
-        let spokes = o[i].scale(8.0) - two(o[p] + o1 + b[p]) - a[p] + o0;
-        even[2 * i + 1] = spokes + (b[n] - o[n]) - (b2 + a[i]);
-
-        // Side i: at v_i the child next to its midpoint and the one next to v_i, then the two at v_n.
-        let there = three(d[n]);
-        let [a3, o3, ..] = across[n];
-        sides[4 * i] = two(b[p] - o[n]) - d3 - middle;
-        sides[4 * i + 1] = two(b[p] - o[i]) + d3 + (o0 + b2 - b[p]);
-        sides[4 * i + 2] = two(o[i] - a[n]) + there + middle;
-        sides[4 * i + 3] = two(o[n] - a[n]) - there - (a3 + o3 - a[n]);
     }
 }
