@@ -7,6 +7,7 @@ use common::meshes::{random_cage, random_triangles};
 use common::{EXACT, assert_laws, triangle_schemes};
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
+use formwork::osd::Refiner;
 use formwork::scheme::{DooSabin, Scheme};
 use formwork::sparse::apply;
 use nalgebra::Vector3;
@@ -69,6 +70,19 @@ proptest! {
             // Flux is kept.
             let total = |density: &Cochain<2>| density.values().iter().sum::<f64>();
             prop_assert!((total(&hierarchy.refine(level, &density)) - total(&density)).abs() < EXACT * density.len() as f64);
+        }
+    }
+
+    /// What is refined by rule is what OpenSubdiv's arrays make, with every fan walked.
+    #[test]
+    fn complexes_are_opensubdivs(polygons in random_cage(), triangles in random_triangles()) {
+        for (cage, scheme) in [(&polygons, Scheme::default()), (&triangles, triangle_schemes()[1])] {
+            let hierarchy = Hierarchy::new(cage, scheme, 3).unwrap();
+            let mut refiner = Refiner::new(cage, scheme.opensubdiv(hierarchy.split_kind())).unwrap();
+            refiner.refine_uniform(3).unwrap();
+            for level in 0..=3 {
+                prop_assert!(*hierarchy.level(level).mesh() == refiner.mesh(level).unwrap(), "level {level}");
+            }
         }
     }
 

@@ -12,6 +12,7 @@ mod descriptor;
 mod faces;
 mod half_edge;
 mod mesh;
+mod refine;
 mod split;
 mod survey;
 

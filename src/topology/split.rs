@@ -1,8 +1,4 @@
-use rayon::prelude::*;
-
-use super::faces::Faces;
 use super::{HalfEdge, Mesh};
-use crate::memory;
 
 /// How the cells of one level become those of the next, and how the children are numbered and directed:
 /// as OpenSubdiv does, with `V`, `E`, `F` the counts of the parent and `C` its corners.
@@ -204,50 +200,6 @@ impl Split {
             SplitKind::Quad => child as u32,
             SplitKind::Triangle => parent.corners(child as u32 / 4).start + child as u32 % 4,
         }
-    }
-
-    /// The refined complex, numbered and directed as this table says, which is as OpenSubdiv does.
-    ///
-    /// # Panics
-    /// If this is not the split of `parent`.
-    pub fn refine(&self, parent: &Mesh) -> Mesh {
-        let ends = |edge| self.edge_ends(parent, self.edge_parent(edge)).map(|end| self.vertex_of(end));
-        let edges = memory::collect((0..self.num_children(1)).into_par_iter().map(ends));
-        let num_faces = self.num_children(2);
-        let (faces, half_edges) = match self.kind {
-            SplitKind::Quad => (Faces::Quads(num_faces), self.boundaries::<4>(parent)),
-            SplitKind::Triangle => (Faces::Triangles(num_faces), self.boundaries::<3>(parent)),
-        };
-        Mesh::complete(self.num_children(0), faces, half_edges, edges)
-    }
-
-    /// The boundaries of the child faces, one after the other.
-    fn boundaries<const N: usize>(&self, parent: &Mesh) -> Vec<HalfEdge> {
-        let faces = (0..self.num_children(2)).into_par_iter();
-        memory::collect(faces.map(|f| self.child_boundary::<N>(parent, f))).into_flattened()
-    }
-
-    /// The boundary of a child face as it is numbered: OpenSubdiv turns the children of quads and triangles
-    /// like their parents, and begins those of other faces at the vertex.
-    fn child_boundary<const N: usize>(&self, parent: &Mesh, child: usize) -> [HalfEdge; N] {
-        let mut boundary = [HalfEdge(0); N];
-        let first = match self.kind {
-            SplitKind::Quad => {
-                let face = parent.corner_face(child as u32);
-                match parent.face_size(face) {
-                    4 => child - parent.corners(face).start as usize,
-                    _ => 0,
-                }
-            }
-            SplitKind::Triangle if child % 4 == 3 => 0,
-            SplitKind::Triangle => child % 4,
-        };
-        let mut at = first;
-        self.face_boundary(parent, child, |edge, sign| {
-            boundary[at % N] = HalfEdge::new(self.edge_of(edge), sign > 0.0);
-            at += 1;
-        });
-        boundary
     }
 
     /// The parent of a child face.
