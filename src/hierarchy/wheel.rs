@@ -89,7 +89,7 @@ impl<const N: usize> Wheel<N> {
     }
 }
 
-/// The weights of a row whose columns are in groups of `turn` times `each`, turned by 0, 1, ..
+/// The weights of a row that begins 0, 1, .. turns further on. Its places are in groups, each of `TURNS` times so many.
 fn turned<const N: usize, const TURNS: usize>(row: [f64; N], groups: [usize; 2]) -> [Weights; TURNS] {
     std::array::from_fn(|by| {
         let mut weights = [0.0; 32];
