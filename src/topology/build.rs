@@ -63,8 +63,7 @@ impl Mesh {
         corner_half_edge: Vec<HalfEdge>,
         edge_vertices: Vec<[u32; 2]>,
     ) -> Self {
-        let tail = |h: &HalfEdge| edge_vertices[h.edge() as usize][h.index() & 1];
-        let corner_vertex = memory::collect(corner_half_edge.par_iter().map(tail));
+        let corner_vertex = tails(&corner_half_edge, &edge_vertices);
         let mut edge_faces = memory::zeros(edge_vertices.len());
         let mut left_corner = memory::filled(NONE, 2 * edge_vertices.len());
         for (c, h) in corner_half_edge.iter().enumerate() {
@@ -141,6 +140,11 @@ impl Mesh {
     fn next_round_vertex(&self, corner: u32) -> Option<u32> {
         self.left_corner(self.corner_half_edge(self.previous_corner(corner)).twin())
     }
+}
+
+/// The vertices that half-edges leave.
+pub(super) fn tails(half_edges: &[HalfEdge], edge_vertices: &[[u32; 2]]) -> Vec<u32> {
+    memory::collect(half_edges.par_iter().map(|h| edge_vertices[h.edge() as usize][h.index() & 1]))
 }
 
 /// Sorts the numbers `0 ..` of keys by key, stable, in linear time: those of key `k` are, as items,

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::build::tails;
 use super::faces::Faces;
 use super::mesh::NONE;
 use super::{ChildEdge, HalfEdge, Mesh, Split, SplitKind};
@@ -69,8 +70,7 @@ impl Children<'_> {
     /// What follows from the boundaries of the faces, as [`Mesh::complete`] finds it.
     fn complete(&self, faces: Faces, corner_half_edge: Vec<HalfEdge>, edge_vertices: Vec<[u32; 2]>) -> Mesh {
         let (split, parent) = (self.split, self.parent);
-        let tail = |h: &HalfEdge| edge_vertices[h.edge() as usize][h.index() & 1];
-        let corner_vertex: Vec<u32> = memory::collect(corner_half_edge.par_iter().map(tail));
+        let corner_vertex = tails(&corner_half_edge, &edge_vertices);
         let edges = (0..split.num_children(1)).into_par_iter();
         let num_faces = |edge| match split.edge_parent(edge) {
             ChildEdge::Odd(_) => 2,
@@ -155,107 +155,108 @@ impl Children<'_> {
     /// The half-edges that leave each vertex, ascending, and where they begin.
     fn spokes(&self) -> (Vec<u32>, Vec<HalfEdge>) {
         let (split, parent) = (self.split, self.parent);
-        let mut offsets = memory::with_capacity(split.num_children(0) + 1);
-        offsets.extend_from_slice(&parent.vertex_offsets);
-        let at_vertices = parent.vertex_half_edges.len();
-        let mut end = at_vertices as u32;
-        let inside = match split.kind() {
-            SplitKind::Quad => {
-                let at_centres = (0..parent.num_faces() as u32).map(|f| end + parent.corners(f).end);
-                offsets.extend(at_centres);
-                end += parent.num_corners() as u32;
-                1
-            }
-            SplitKind::Triangle => 2,
-        };
-        let first = offsets.len() - 1;
-        offsets.extend(parent.edge_faces.iter().map(|faces| {
-            end += 2 + inside * faces;
-            end
-        }));
-        let mut half_edges = memory::filled(HalfEdge(0), end as usize);
-        let (of_vertices, rest) = half_edges.split_at_mut(at_vertices);
-        let (of_faces, of_edges) = rest.split_at_mut(offsets[first] as usize - at_vertices);
-        let away = |h: HalfEdge| HalfEdge::new(split.even_edge(h), false);
-        of_vertices.par_iter_mut().zip(&parent.vertex_half_edges).for_each(|(out, &h)| *out = away(h));
-        of_faces
-            .par_iter_mut()
-            .zip(0..parent.num_corners() as u32)
-            .for_each(|(out, c)| *out = HalfEdge(2 * c));
-        let edges = 0..parent.num_edges();
-        fill(edges, &offsets[first..], of_edges, &|e, out: &mut [HalfEdge]| {
-            let sides = [HalfEdge::new(e as u32, true), HalfEdge::new(e as u32, false)];
-            let mut len = 0;
-            for corner in sides.into_iter().filter_map(|h| parent.left_corner(h)) {
-                // To the centre; on triangles the child edges at both ends of the side begin or end here.
-                let odd = match split.kind() {
-                    SplitKind::Quad => [Some(HalfEdge::new(corner, false)), None],
-                    SplitKind::Triangle => {
-                        let next = HalfEdge::new(parent.next_corner(corner), false);
-                        [Some(HalfEdge::new(corner, true)), Some(next)]
+        let inside = if split.kind() == SplitKind::Quad { 1 } else { 2 };
+        self.round_vertices(
+            (&parent.vertex_offsets, &parent.vertex_half_edges),
+            |h| HalfEdge::new(split.even_edge(h), false),
+            |corner| HalfEdge::new(corner, true),
+            |faces| 2 + inside * faces,
+            |e, out| {
+                let sides = sides_of(e);
+                let mut len = 0;
+                for corner in sides.into_iter().filter_map(|h| parent.left_corner(h)) {
+                    // To the centre; on triangles the child edges at both ends of the side begin or end here.
+                    let odd = match split.kind() {
+                        SplitKind::Quad => [Some(HalfEdge::new(corner, false)), None],
+                        SplitKind::Triangle => {
+                            let next = HalfEdge::new(parent.next_corner(corner), false);
+                            [Some(HalfEdge::new(corner, true)), Some(next)]
+                        }
+                    };
+                    for h in odd.into_iter().flatten() {
+                        out[len] = h;
+                        len += 1;
                     }
-                };
-                for h in odd.into_iter().flatten() {
-                    out[len] = h;
-                    len += 1;
                 }
-            }
-            out[..len].sort_unstable();
-            for (out, h) in out[len..].iter_mut().zip(sides) {
-                *out = HalfEdge::new(split.even_edge(h), true);
-            }
-        });
-        (offsets, half_edges)
+                out[..len].sort_unstable();
+                for (out, h) in out[len..].iter_mut().zip(sides) {
+                    *out = HalfEdge::new(split.even_edge(h), true);
+                }
+            },
+        )
     }
 
     /// The corners of each fan, and where they begin.
     fn fans(&self) -> (Vec<u32>, Vec<u32>) {
         let (split, parent) = (self.split, self.parent);
-        let children = split.num_children(0) - parent.num_vertices();
-        let mut offsets = memory::with_capacity(parent.fan_offsets.len() + children);
-        offsets.extend_from_slice(&parent.fan_offsets);
-        let at_vertices = parent.fan_corners.len();
-        let mut end = at_vertices as u32;
-        let each = match split.kind() {
-            SplitKind::Quad => {
-                offsets.extend((0..parent.num_faces() as u32).map(|f| end + parent.corners(f).end));
-                end += parent.num_corners() as u32;
-                2
-            }
-            SplitKind::Triangle => 3,
+        let each = if split.kind() == SplitKind::Quad { 2 } else { 3 };
+        self.round_vertices(
+            (&parent.fan_offsets, &parent.fan_corners),
+            |corner| self.corner(corner, 0),
+            |corner| self.corner(corner, 2),
+            |faces| each * faces,
+            |e, out| {
+                let mut children = out.chunks_exact_mut(each as usize);
+                // Counter-clockwise on either side: the child at the end of the side, the one in the middle, that at its
+                // beginning.
+                for corner in sides_of(e).into_iter().filter_map(|h| parent.left_corner(h)) {
+                    let out = children.next().expect("room for the children of each face");
+                    if split.kind() == SplitKind::Triangle {
+                        out[1] = split.middle_corner(parent, parent.previous_corner(corner));
+                    }
+                    out[0] = self.last(parent.next_corner(corner));
+                    out[each as usize - 1] = self.corner(corner, 1);
+                }
+                // What is cyclic starts at its lowest corner.
+                if parent.edge_faces[e] == 2 {
+                    let lowest = (0..out.len()).min_by_key(|&i| out[i]).unwrap_or(0);
+                    out.rotate_left(lowest);
+                }
+            },
+        )
+    }
+
+    /// What lies round each child vertex, and where it begins: round those of vertices `at_vertex` of each item of the
+    /// parent, round those of faces, if there are any, `at_centre` of each corner, and round those of edges what `at_edge`
+    /// fills in, so many as `per_edge` says by the number of faces.
+    fn round_vertices<T: Copy + Send + Sync>(
+        &self,
+        (starts, items): (&[u32], &[T]),
+        at_vertex: impl Fn(T) -> T + Sync,
+        at_centre: impl Fn(u32) -> T + Sync,
+        per_edge: impl Fn(u32) -> u32,
+        at_edge: impl Fn(usize, &mut [T]) + Sync,
+    ) -> (Vec<u32>, Vec<T>) {
+        let parent = self.parent;
+        let corners = match self.split.kind() {
+            SplitKind::Quad => 0..parent.num_corners() as u32,
+            SplitKind::Triangle => 0..0,
         };
-        let first = offsets.len() - 1;
-        offsets.extend(parent.edge_faces.iter().map(|faces| {
-            end += each * faces;
+        let mut offsets = memory::with_capacity(starts.len() + parent.num_faces() + parent.num_edges());
+        offsets.extend_from_slice(starts);
+        let mut end = items.len() as u32;
+        if !corners.is_empty() {
+            offsets.extend((0..parent.num_faces() as u32).map(|f| end + parent.corners(f).end));
+            end += corners.end;
+        }
+        let first_edge = offsets.len() - 1;
+        offsets.extend(parent.edge_faces.iter().map(|&faces| {
+            end += per_edge(faces);
             end
         }));
-        let mut corners = memory::filled(NONE, end as usize);
-        let (of_vertices, rest) = corners.split_at_mut(at_vertices);
-        let (of_faces, of_edges) = rest.split_at_mut(offsets[first] as usize - at_vertices);
-        of_vertices.par_iter_mut().zip(&parent.fan_corners).for_each(|(out, &c)| *out = self.corner(c, 0));
-        let all_corners = 0..parent.num_corners() as u32;
-        of_faces.par_iter_mut().zip(all_corners).for_each(|(out, c)| *out = self.corner(c, 2));
-        let edges = 0..parent.num_edges();
-        fill(edges, &offsets[first..], of_edges, &|e, out: &mut [u32]| {
-            let sides = [HalfEdge::new(e as u32, true), HalfEdge::new(e as u32, false)];
-            let mut len = 0;
-            // Counter-clockwise on either side: the child at the end of the side, the one in the middle, that at its beginning.
-            for corner in sides.into_iter().filter_map(|h| parent.left_corner(h)) {
-                out[len] = self.last(parent.next_corner(corner));
-                if split.kind() == SplitKind::Triangle {
-                    out[len + 1] = split.middle_corner(parent, parent.previous_corner(corner));
-                }
-                out[len + each as usize - 1] = self.corner(corner, 1);
-                len += each as usize;
-            }
-            // What is cyclic starts at its lowest corner.
-            if parent.edge_faces[e] == 2 {
-                let lowest = (0..out.len()).min_by_key(|&i| out[i]).unwrap_or(0);
-                out.rotate_left(lowest);
-            }
-        });
-        (offsets, corners)
+        let Some(&nothing) = items.first() else { return (offsets, Vec::new()) };
+        let mut all = memory::filled(nothing, end as usize);
+        let (of_vertices, rest) = all.split_at_mut(items.len());
+        let (of_faces, of_edges) = rest.split_at_mut(corners.len());
+        of_vertices.par_iter_mut().zip(items).for_each(|(out, &item)| *out = at_vertex(item));
+        of_faces.par_iter_mut().zip(corners).for_each(|(out, corner)| *out = at_centre(corner));
+        fill(0..parent.num_edges(), &offsets[first_edge..], of_edges, &at_edge);
+        (offsets, all)
     }
+}
+
+fn sides_of(edge: usize) -> [HalfEdge; 2] {
+    [true, false].map(|along| HalfEdge::new(edge as u32, along))
 }
 
 /// Few enough items that a run of them is done at once.
