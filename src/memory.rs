@@ -19,7 +19,7 @@ mod ffi {
 }
 
 /// Arrays below this, in bytes, stay where they are.
-const LARGE: usize = 4 << 20;
+const LARGE: usize = 1 << 20;
 
 /// An empty vector with room for `capacity` values, on huge pages as [`on_huge_pages`] says.
 pub fn with_capacity<T>(capacity: usize) -> Vec<T> {
@@ -28,8 +28,13 @@ pub fn with_capacity<T>(capacity: usize) -> Vec<T> {
 
 /// `len` zeros, or what a type has in their place, on huge pages as [`on_huge_pages`] says.
 pub fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
+    if len * size_of::<T>() < MAPPED {
+        return filled(T::default(), len);
+    }
     on_huge_pages(vec![T::default(); len])
 }
+
+const MAPPED: usize = 32 << 20;
 
 /// `len` times a value, on huge pages as [`on_huge_pages`] says.
 pub fn filled<T: Clone>(value: T, len: usize) -> Vec<T> {

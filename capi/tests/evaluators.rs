@@ -47,7 +47,7 @@ static PROGRAM: LazyLock<(PathBuf, PathBuf)> = LazyLock::new(|| {
     if changed(&program) < sources.filter_map(|source| changed(&source)).max() {
         expect(&install(&prefix, None), "scripts/install");
         let flags = ["-O1", "-g", "-fsanitize=address", "-fno-omit-frame-pointer"];
-        compile(&folder, &prefix, "evaluate", &flags, &[]);
+        compile(&folder, &prefix, "tests/cpp/evaluate", &flags, &[]);
     }
     (program, prefix)
 });

@@ -17,7 +17,7 @@ fn gl_evaluators_take_tables_of_forms_as_they_are() {
     }
     let (folder, prefix) = installed();
     let libraries = ["-losdGPU", "-lEGL", "-lGL"];
-    let program = compile(folder.path(), &prefix, "gl", &["-O1", "-Wno-error"], &libraries);
+    let program = compile(folder.path(), &prefix, "tests/cpp/gl", &["-O1", "-Wno-error"], &libraries);
     let output = run(&program, &prefix, &[]);
     let printed = String::from_utf8_lossy(&output.stdout);
     println!("{printed}");

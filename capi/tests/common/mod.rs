@@ -40,29 +40,40 @@ pub fn compiler() -> Command {
     command
 }
 
-/// Compiles a program of `capi/tests/cpp` against an installed Formwork.
-pub fn compile(folder: &Path, prefix: &Path, name: &str, flags: &[&str], libraries: &[&str]) -> PathBuf {
-    let program = folder.join(name);
+/// Compiles a program of this crate, such as `tests/cpp/evaluate`, against an installed Formwork.
+pub fn compile(folder: &Path, prefix: &Path, source: &str, flags: &[&str], libraries: &[&str]) -> PathBuf {
+    let source = root().join("capi").join(source).with_extension("cpp");
+    let program = folder.join(source.file_stem().unwrap());
     let mut command = compiler();
     command.args(flags).arg("-I").arg(prefix.join("include")).arg("-o").arg(&program);
-    command.arg(root().join("capi/tests/cpp").join(name).with_extension("cpp"));
+    command.arg(&source);
     command.arg("-L").arg(prefix.join("lib"));
     if let Some(opensubdiv) = std::env::var_os("OPENSUBDIV_ROOT").map(PathBuf::from) {
         command.arg("-isystem").arg(opensubdiv.join("include")).arg("-L").arg(opensubdiv.join("lib"));
     }
     command.arg("-lformwork").args(libraries).arg("-losdCPU");
-    expect(&command.output().unwrap(), name);
+    expect(&command.output().unwrap(), &source.display().to_string());
     program
 }
 
 /// Runs a program that was linked with an installed Formwork.
 pub fn run(program: &Path, prefix: &Path, arguments: &[&Path]) -> Output {
+    run_with(program, prefix, arguments, &[])
+}
+
+/// [`run`] with more variables in the environment.
+pub fn run_with(
+    program: &Path,
+    prefix: &Path,
+    arguments: &[&Path],
+    environment: &[(&str, &str)],
+) -> Output {
     let mut folders = vec![prefix.join("lib")];
     folders.extend(std::env::var_os("OPENSUBDIV_ROOT").map(|root| Path::new(&root).join("lib")));
     folders.extend(std::env::var_os("LD_LIBRARY_PATH").iter().flat_map(std::env::split_paths));
     let path = std::env::join_paths(folders).unwrap();
     let mut command = Command::new(program);
-    command.args(arguments).env("LD_LIBRARY_PATH", path);
+    command.args(arguments).env("LD_LIBRARY_PATH", path).envs(environment.iter().copied());
     // Idle OpenMP threads would spin, in the way of the other tests.
     command.env("OMP_WAIT_POLICY", "passive").output().unwrap()
 }

@@ -1,0 +1,168 @@
+// Times the tables of forms of a refiner that this program owns beside OpenSubdiv's own of S0, and says how much memory
+// each takes, for the benchmark that runs it (capi/benches/tables.rs).
+//
+//   tables MESH LEVELS time     milliseconds: refining; S0; reading the refiner; S1 and S2
+//   tables MESH LEVELS none|refiner|s0|forms     the peak of memory, in bytes, of one of them
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <formwork/formStencilTable.h>
+#include <opensubdiv/far/stencilTableFactory.h>
+#include <opensubdiv/far/topologyDescriptor.h>
+
+using namespace OpenSubdiv;
+using namespace formwork;
+
+#if defined(DOUBLE)
+typedef double Real;
+#else
+typedef float Real;
+#endif
+
+struct Mesh {
+    int numVertices = 0, scheme = 0;
+    std::vector<int> faceSizes, faceVertices, creaseVertices;
+    std::vector<float> creaseSharpness;
+};
+
+template <typename T>
+static std::vector<T>
+ReadArray(std::istream &in) {
+    size_t count = 0;
+    in >> count;
+    std::vector<T> values(count);
+    for (T &value : values) {
+        in >> value;
+    }
+    return values;
+}
+
+static Mesh
+ReadMesh(char const *path) {
+    std::ifstream in(path);
+    Mesh mesh;
+    in >> mesh.numVertices >> mesh.scheme;
+    mesh.faceSizes = ReadArray<int>(in);
+    mesh.faceVertices = ReadArray<int>(in);
+    mesh.creaseVertices = ReadArray<int>(in);
+    mesh.creaseSharpness = ReadArray<float>(in);
+    return mesh;
+}
+
+static std::unique_ptr<Far::TopologyRefiner>
+Refine(Mesh const &mesh, int levels) {
+    Far::TopologyDescriptor d;
+    d.numVertices = mesh.numVertices;
+    d.numFaces = static_cast<int>(mesh.faceSizes.size());
+    d.numVertsPerFace = mesh.faceSizes.data();
+    d.vertIndicesPerFace = mesh.faceVertices.data();
+    d.numCreases = static_cast<int>(mesh.creaseSharpness.size());
+    d.creaseVertexIndexPairs = mesh.creaseVertices.data();
+    d.creaseWeights = mesh.creaseSharpness.data();
+    Sdc::Options options;
+    options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
+    typedef Far::TopologyRefinerFactory<Far::TopologyDescriptor> Factory;
+    std::unique_ptr<Far::TopologyRefiner> refiner(
+        Factory::Create(d, Factory::Options(static_cast<Sdc::SchemeType>(mesh.scheme), options)));
+    Far::TopologyRefiner::UniformOptions uniform(levels);
+    uniform.fullTopologyInLastLevel = true;
+    refiner->RefineUniform(uniform);
+    return refiner;
+}
+
+static std::unique_ptr<Far::StencilTableReal<Real> const>
+PerLevelS0(Far::TopologyRefiner const &refiner) {
+    typedef Far::StencilTableFactoryReal<Real> Factory;
+    typename Factory::Options options;
+    options.generateIntermediateLevels = true;
+    options.factorizeIntermediateLevels = false;
+    options.generateOffsets = true;
+    options.maxLevel = refiner.GetMaxLevel();
+    return std::unique_ptr<Far::StencilTableReal<Real> const>(Factory::Create(refiner, options));
+}
+
+typedef std::vector<std::unique_ptr<FormStencilTableReal<Real> const>> Tables;
+
+static std::vector<Tables>
+PerLevelForms(FormRefiner const &forms) {
+    typedef FormStencilTableFactoryReal<Real> Factory;
+    std::vector<Tables> tables;
+    for (int degree : {1, 2}) {
+        tables.push_back(Factory::CreatePerLevel(forms, typename Factory::Options(degree)));
+    }
+    return tables;
+}
+
+static long
+PeakMemory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);) {
+        if (line.compare(0, 6, "VmHWM:") == 0) {
+            return std::stol(line.substr(6)) * 1024;
+        }
+    }
+    return 0;
+}
+
+int
+main(int argc, char **argv) {
+    if (argc != 4) {
+        std::cerr << "usage: tables MESH LEVELS time|none|refiner|s0|forms\n";
+        return 2;
+    }
+    Mesh mesh = ReadMesh(argv[1]);
+    int levels = std::stoi(argv[2]);
+    std::string what = argv[3];
+    if (what != "time") {
+        std::unique_ptr<Far::TopologyRefiner> refiner;
+        if (what != "none") {
+            refiner = Refine(mesh, levels);
+        }
+        if (what == "s0") {
+            auto table = PerLevelS0(*refiner);
+            std::cout << PeakMemory() << "\n";
+        } else if (what == "forms") {
+            // All that forms need of the refiner is in theirs.
+            std::unique_ptr<FormRefiner> forms(new FormRefiner(*refiner));
+            refiner.reset();
+            auto tables = PerLevelForms(*forms);
+            std::cout << PeakMemory() << "\n";
+        } else {
+            std::cout << PeakMemory() << "\n";
+        }
+        return 0;
+    }
+    auto refiner = Refine(mesh, levels);
+    FormRefiner forms(*refiner);
+    std::vector<std::function<void()>> tasks = {
+        [&] { Refine(mesh, levels); },
+        [&] { PerLevelS0(*refiner); },
+        [&] { FormRefiner forms(*refiner); },
+        [&] { PerLevelForms(forms); },
+    };
+    // In turn, so that a drift of the machine meets all alike; the first round does not count.
+    std::vector<std::vector<double>> times(tasks.size());
+    for (int round = 0; round <= 9; ++round) {
+        for (size_t i = 0; i < tasks.size(); ++i) {
+            auto start = std::chrono::steady_clock::now();
+            tasks[i]();
+            std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+            if (round > 0) {
+                times[i].push_back(took.count());
+            }
+        }
+    }
+    for (std::vector<double> &each : times) {
+        std::sort(each.begin(), each.end());
+        std::cout << each[each.size() / 2] << " ";
+    }
+    std::cout << "\n";
+    return 0;
+}
