@@ -54,10 +54,16 @@ pub fn collect<T: Send>(values: impl IndexedParallelIterator<Item = T>) -> Vec<T
 /// `vec![0; n]` and `Vec::with_capacity(n)` do not touch it.
 pub fn on_huge_pages<T>(vector: Vec<T>) -> Vec<T> {
     let bytes = vector.capacity() * size_of::<T>();
-    if bytes >= LARGE {
-        ffi::prefer_huge_pages(vector.as_ptr() as usize, bytes);
-    }
+    prefer_huge_pages(vector.as_ptr() as usize, bytes);
     vector
+}
+
+/// Asks for huge pages under `bytes` bytes from an address on, if they are many and the system has them. It pays before
+/// they are touched. No value is changed, whatever lies there.
+pub fn prefer_huge_pages(address: usize, bytes: usize) {
+    if bytes >= LARGE {
+        ffi::prefer_huge_pages(address, bytes);
+    }
 }
 
 /// Makes a vector `len` long whose values will all be written: until then they are `value`, or what was there. If it

@@ -4,6 +4,8 @@
 
 use std::ffi::{c_char, c_void};
 
+use formwork::cochain::Quantity;
+use formwork::memory;
 use formwork::osd::{self, Refiner};
 use formwork::topology::{Corner, Crease, Descriptor};
 
@@ -248,88 +250,98 @@ pub unsafe extern "C" fn formwork_stencils_counts(
     guard(|| {
         let stencils = unsafe { stencils.as_ref() }.ok_or_else(|| null("stencils"))?;
         let counts = FormworkStencilCounts {
-            control_values: stencils.num_control_values as u32,
-            stencils: stencils.sizes.len() as u32,
-            entries: stencils.indices.len() as u32,
-            weight_sets: stencils.weights.len() as u32,
+            control_values: stencils.num_control_values() as u32,
+            stencils: stencils.num_rows() as u32,
+            entries: stencils.num_entries(0..stencils.num_rows()) as u32,
+            weight_sets: stencils.num_sets() as u32,
         };
         unsafe { write(out, counts) }
     })
 }
 
-/// The structure of stencils; arrays that are null are left out. `sizes` takes the number of entries of each row,
-/// `offsets` where in `indices` and in the weights each row starts, `indices` the control value of each entry.
+/// The number of entries of `count` rows from `first` on.
 ///
 /// # Safety
-/// `stencils` is alive; the arrays are as long as `formwork_stencils_counts` says.
+/// `stencils` is alive; `out` may be written to.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn formwork_stencils_structure(
+pub unsafe extern "C" fn formwork_stencils_entries(
     stencils: *const FormworkStencils,
-    sizes: *mut i32,
-    offsets: *mut i32,
-    indices: *mut i32,
+    first: u32,
+    count: u32,
+    out: *mut u32,
 ) -> FormworkStatus {
     guard(|| {
         let stencils = unsafe { stencils.as_ref() }.ok_or_else(|| null("stencils"))?;
-        let starts = stencils.sizes.iter().scan(0, |next, &size| {
-            let start = *next;
-            *next += size as i32;
-            Some(start)
-        });
-        unsafe {
-            fill(sizes, stencils.sizes.iter().map(|&size| size as i32));
-            fill(offsets, starts);
-            fill(indices, stencils.indices.iter().map(|&index| index as i32));
-        }
-        Ok(())
+        let entries = stencils.num_entries(stencils.run(first, count)?);
+        unsafe { write(out, entries as u32) }
     })
 }
 
-/// One set of weights in single precision: 0 the values, 1 and 2 the derivatives if there are any.
+/// `count` rows from `first` on, with one set of weights (0 the values, 1 and 2 the derivatives if there are any) in single
+/// precision. `sizes` takes the number of entries of each row; `indices` and `weights`, row after row, the control value and
+/// the weight of each entry, in no order.
 ///
 /// # Safety
-/// `stencils` is alive; `out` is as long as `formwork_stencils_counts` says.
+/// `stencils` is alive; `sizes` is as long as `count` says, `indices` and `weights` as `formwork_stencils_entries` says.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn formwork_stencils_weights_f32(
+pub unsafe extern "C" fn formwork_stencils_rows_f32(
     stencils: *const FormworkStencils,
     set: u32,
-    out: *mut f32,
+    first: u32,
+    count: u32,
+    sizes: *mut u32,
+    indices: *mut u32,
+    weights: *mut f32,
 ) -> FormworkStatus {
-    guard(|| {
-        let weights = unsafe { weights(stencils, set) }?;
-        unsafe { fill(out, weights.iter().map(|&weight| weight as f32)) };
-        Ok(())
-    })
+    guard(|| unsafe { rows(stencils, set, [first, count], sizes, indices, weights) })
 }
 
-/// One set of weights in double precision: 0 the values, 1 and 2 the derivatives if there are any.
+/// `formwork_stencils_rows_f32` in double precision.
 ///
 /// # Safety
-/// `stencils` is alive; `out` is as long as `formwork_stencils_counts` says.
+/// As there.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn formwork_stencils_weights_f64(
+pub unsafe extern "C" fn formwork_stencils_rows_f64(
     stencils: *const FormworkStencils,
     set: u32,
-    out: *mut f64,
+    first: u32,
+    count: u32,
+    sizes: *mut u32,
+    indices: *mut u32,
+    weights: *mut f64,
 ) -> FormworkStatus {
-    guard(|| {
-        let weights = unsafe { weights(stencils, set) }?;
-        unsafe { fill(out, weights.iter().copied()) };
-        Ok(())
-    })
+    guard(|| unsafe { rows(stencils, set, [first, count], sizes, indices, weights) })
+}
+
+/// Advice before large fresh memory is touched: it is to lie on huge pages, where the system has them, which costs far fewer
+/// page faults. Nothing is read or written, and anything may be refused; any range will do.
+#[unsafe(no_mangle)]
+pub extern "C" fn formwork_prefer_huge_pages(start: *const c_void, bytes: usize) {
+    memory::prefer_huge_pages(start as usize, bytes);
 }
 
 fn null(what: &str) -> Invalid {
     Invalid(format!("the pointer to the {what} is null"))
 }
 
-unsafe fn weights<'a>(stencils: *const FormworkStencils, set: u32) -> Result<&'a [f64], Invalid> {
+unsafe fn rows<W: Quantity>(
+    stencils: *const FormworkStencils,
+    set: u32,
+    [first, count]: [u32; 2],
+    sizes: *mut u32,
+    indices: *mut u32,
+    weights: *mut W,
+) -> Result<(), Invalid> {
     let stencils = unsafe { stencils.as_ref() }.ok_or_else(|| null("stencils"))?;
-    let found = stencils.weights.get(set as usize);
-    let sets = stencils.weights.len();
-    found
-        .map(Vec::as_slice)
-        .ok_or_else(|| Invalid(format!("there is no set of weights {set}: these stencils have {sets}")))
+    let (set, run) = (stencils.set(set)?, stencils.run(first, count)?);
+    let entries = stencils.num_entries(run.clone());
+    unsafe {
+        let sizes = array_mut("sizes", sizes, run.len())?;
+        let indices = array_mut("indices", indices, entries)?;
+        let weights = array_mut("weights", weights, entries)?;
+        stencils.write(set, run, sizes, indices, weights);
+    }
+    Ok(())
 }
 
 unsafe fn write<T>(out: *mut T, value: T) -> Result<(), Invalid> {
@@ -362,6 +374,14 @@ unsafe fn array<'a, T>(what: &str, start: *const T, count: usize) -> Result<&'a 
         (_, 0) => Ok(&[]),
         (true, _) => Err(null(what)),
         (false, _) => Ok(unsafe { std::slice::from_raw_parts(start, count) }),
+    }
+}
+
+unsafe fn array_mut<'a, T>(what: &str, start: *mut T, count: usize) -> Result<&'a mut [T], Invalid> {
+    match (start.is_null(), count) {
+        (_, 0) => Ok(&mut []),
+        (true, _) => Err(null(what)),
+        (false, _) => Ok(unsafe { std::slice::from_raw_parts_mut(start, count) }),
     }
 }
 

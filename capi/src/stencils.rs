@@ -1,6 +1,9 @@
 //! Operators as the tables that stencil evaluators take: sizes, indices and weights of row after row.
 
-use formwork::hierarchy::Hierarchy;
+use std::ops::Range;
+
+use formwork::cochain::Quantity;
+use formwork::hierarchy::{Hierarchy, StepStencils};
 use formwork::limit::LimitTangents;
 use formwork::sparse::{Csr, assemble, multiply, row_of};
 use formwork::topology::Mesh;
@@ -14,16 +17,23 @@ pub const FORMWORK_AT_VERTICES: u32 = 0;
 pub const FORMWORK_AT_CORNERS: u32 = 1;
 
 /// Stencils: rows that share their indices among one or more sets of weights.
-pub struct FormworkStencils {
-    /// The number of values that go in.
-    pub num_control_values: usize,
-    /// For each row its number of entries.
-    pub sizes: Vec<u32>,
-    /// For each entry of each row its column.
-    pub indices: Vec<u32>,
-    /// For each set a weight for each entry.
-    pub weights: Vec<Vec<f64>>,
+pub enum FormworkStencils {
+    /// Of one step of refinement, whose rows are made when they are asked for.
+    Step(StepStencils),
+    /// Of matrices.
+    Stored {
+        /// The number of values that go in.
+        num_control_values: usize,
+        /// Where each row starts, and the last ends.
+        offsets: Vec<usize>,
+        /// For each entry of each row its column.
+        indices: Vec<u32>,
+        /// For each set a weight for each entry.
+        weights: Vec<Vec<f64>>,
+    },
 }
+
+use FormworkStencils::{Step, Stored};
 
 impl FormworkStencils {
     /// Refinement of `degree`-forms from one level to a finer one: the rows of that level or, with `intermediate`,
@@ -42,6 +52,12 @@ impl FormworkStencils {
             )));
         }
         let hierarchy = hierarchy.levels();
+        if to == from + 1 {
+            let step = hierarchy.step_stencils(degree, to);
+            let rows = step.shape().0;
+            fits(step.num_terms(0..rows).max(rows))?;
+            return Ok(Step(step));
+        }
         if !intermediate {
             return Self::new(vec![hierarchy.composed_operator(degree, from, to)]);
         }
@@ -111,58 +127,116 @@ impl FormworkStencils {
                 });
             })
         };
-        Self::new(vec![refined(values)])?.joined([refined(derivatives(0)), refined(derivatives(1))])
+        Self::joined([values, derivatives(0), derivatives(1)].map(refined))
     }
 
     /// The rows of one matrix after those of another, all of the same width.
     fn new(parts: Vec<Csr>) -> Result<Self, Invalid> {
         fits(parts.iter().map(|part| part.rows().max(part.nnz())).sum())?;
         let num_control_values = parts[0].cols();
-        let (mut sizes, mut indices, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut offsets, mut indices, mut weights) = (vec![0], Vec::new(), Vec::new());
         for part in parts {
-            sizes.extend((0..part.rows()).map(|i| row_of(&part, i).0.len() as u32));
+            let before = indices.len();
+            offsets.extend(part.indptr().raw_storage()[1..].iter().map(|end| before + end));
             let (_, columns, values) = part.into_raw_storage();
-            if indices.is_empty() {
+            if before == 0 {
                 (indices, weights) = (columns, values);
             } else {
                 indices.extend(columns);
                 weights.extend(values);
             }
         }
-        Ok(FormworkStencils { num_control_values, sizes, indices, weights: vec![weights] })
+        Ok(Stored { num_control_values, offsets, indices, weights: vec![weights] })
     }
 
-    /// These stencils with two more sets of weights, on the indices that any of the three has.
-    fn joined(self, more: [Csr; 2]) -> Result<Self, Invalid> {
-        let mut joined = FormworkStencils {
-            num_control_values: self.num_control_values,
-            sizes: Vec::with_capacity(self.sizes.len()),
-            indices: Vec::new(),
-            weights: vec![Vec::new(); 3],
-        };
-        let mut start = 0;
-        for (i, &size) in self.sizes.iter().enumerate() {
-            let own = start..start + size as usize;
-            start = own.end;
-            let mut rows = [
-                (&self.indices[own.clone()], &self.weights[0][own]),
-                row_of(&more[0], i),
-                row_of(&more[1], i),
-            ];
-            let before = joined.indices.len();
+    /// Matrices of the same shape as one set of weights each, on the indices that any of them has.
+    fn joined(matrices: [Csr; 3]) -> Result<Self, Invalid> {
+        let (mut offsets, mut indices, mut weights) = (vec![0], Vec::new(), vec![Vec::new(); 3]);
+        for i in 0..matrices[0].rows() {
+            let mut rows = matrices.each_ref().map(|matrix| row_of(matrix, i));
             while let Some(column) = rows.iter().filter_map(|row| row.0.first()).min().copied() {
-                joined.indices.push(column);
-                for ((columns, weights), into) in rows.iter_mut().zip(&mut joined.weights) {
+                indices.push(column);
+                for ((columns, values), into) in rows.iter_mut().zip(&mut weights) {
                     let here = columns.first() == Some(&column);
-                    into.push(if here { weights[0] } else { 0.0 });
+                    into.push(if here { values[0] } else { 0.0 });
                     let rest = usize::from(here);
-                    (*columns, *weights) = (&columns[rest..], &weights[rest..]);
+                    (*columns, *values) = (&columns[rest..], &values[rest..]);
                 }
             }
-            joined.sizes.push((joined.indices.len() - before) as u32);
+            offsets.push(indices.len());
         }
-        fits(joined.indices.len())?;
-        Ok(joined)
+        fits(indices.len())?;
+        Ok(Stored { num_control_values: matrices[0].cols(), offsets, indices, weights })
+    }
+
+    /// The number of values that go in.
+    pub fn num_control_values(&self) -> usize {
+        match self {
+            Step(step) => step.shape().1,
+            Stored { num_control_values, .. } => *num_control_values,
+        }
+    }
+
+    /// The number of rows.
+    pub fn num_rows(&self) -> usize {
+        match self {
+            Step(step) => step.shape().0,
+            Stored { offsets, .. } => offsets.len() - 1,
+        }
+    }
+
+    /// The number of sets of weights.
+    pub fn num_sets(&self) -> usize {
+        match self {
+            Step(_) => 1,
+            Stored { weights, .. } => weights.len(),
+        }
+    }
+
+    /// So many rows from `first` on.
+    pub fn run(&self, first: u32, count: u32) -> Result<Range<usize>, Invalid> {
+        let (first, count, rows) = (first as usize, count as usize, self.num_rows());
+        match first.checked_add(count).is_some_and(|end| end <= rows) {
+            true => Ok(first..first + count),
+            false => Err(Invalid(format!("there are no {count} rows from {first} on: these stencils have {rows}"))),
+        }
+    }
+
+    /// The number of entries of a run of rows.
+    pub fn num_entries(&self, rows: Range<usize>) -> usize {
+        match self {
+            Step(step) => step.num_terms(rows),
+            Stored { offsets, .. } => offsets[rows.end] - offsets[rows.start],
+        }
+    }
+
+    /// `set`, if there is such a set of weights.
+    pub fn set(&self, set: u32) -> Result<usize, Invalid> {
+        let sets = self.num_sets();
+        let found = Some(set as usize).filter(|&set| set < sets);
+        found.ok_or_else(|| Invalid(format!("there is no set of weights {set}: these stencils have {sets}")))
+    }
+
+    /// Writes a run of rows: the number of entries of each, and row after row their indices and weights.
+    pub fn write<W: Quantity>(
+        &self,
+        set: usize,
+        rows: Range<usize>,
+        sizes: &mut [u32],
+        indices: &mut [u32],
+        weights: &mut [W],
+    ) {
+        match self {
+            Step(step) => step.write(rows, sizes, indices, weights),
+            Stored { offsets, indices: all, weights: sets, .. } => {
+                let entries = offsets[rows.start]..offsets[rows.end];
+                let ends = offsets[rows.start..=rows.end].windows(2);
+                sizes.iter_mut().zip(ends).for_each(|(size, ends)| *size = (ends[1] - ends[0]) as u32);
+                indices.copy_from_slice(&all[entries.clone()]);
+                let weights = weights.iter_mut().zip(&sets[set][entries]);
+                weights.for_each(|(to, &weight)| *to = W::one().scale(weight));
+            }
+        }
     }
 }
 

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::Hierarchy;
-use super::assembly::{self, Rows, Terms};
+use super::rows::{self, Rows, Terms};
 use crate::scheme::{Scheme, Variant};
 use crate::sparse::{Csr, assemble_parts, front, multiply};
 use crate::topology::{ChildEdge, Mesh, Parent, Split};
@@ -29,7 +29,7 @@ pub fn operator(hierarchy: &Hierarchy, degree: usize, [from, to]: [usize; 2]) ->
     let mut product = Product::identity(&regions, &owners.0[degree]);
     for level in from + 1..=to {
         let (parent, refinement) = (hierarchy.level(level - 1).mesh(), hierarchy.refinement(level));
-        let (left, columns) = (assembly::rows(refinement, parent, degree), base.num_cells(degree));
+        let (left, columns) = (rows::rows(refinement, parent, degree), base.num_cells(degree));
         let next =
             |owners| Multiplication { regions: &regions, columns, left: &*left, right: &product, owners };
         if level == to {

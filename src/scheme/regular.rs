@@ -29,7 +29,7 @@ use super::triangle_rows::{CORNER, EVEN, ODD, sides_and_across, spokes_and_rims}
 use super::whitney;
 use crate::memory;
 use crate::osd::{Masks, Rule};
-use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind};
+use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, Split, SplitKind, wrap};
 
 /// The formula that all rows follow but the exceptions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -278,6 +278,7 @@ impl Regular {
 
     /// The row of `S1` of a child edge in its own direction: no edge twice. `continued(h)` is the half-edge
     /// that reaches the tail of `h` straight on; only quads ask for it.
+    #[inline(always)]
     pub fn s1(
         self,
         mesh: &Mesh,
@@ -305,20 +306,27 @@ impl Regular {
                 }
             }
             (Regular::Loop, ChildEdge::Even(h)) => {
-                let (fan, place) = mesh.fan_of_corner(left(mesh, h));
-                let corners = std::array::from_fn(|j| fan.corner(place + j));
-                let edges = spokes_and_rims(mesh, &corners).into_iter().zip(EVEN);
-                edges.filter(|(_, weight)| *weight != 0.0).for_each(|(h, weight)| visit(h, weight));
+                let edges = spokes_and_rims(mesh, &fan_from(mesh, left(mesh, h)));
+                for (h, weight) in edges.into_iter().zip(EVEN) {
+                    if weight != 0.0 {
+                        visit(h, weight);
+                    }
+                }
             }
             (Regular::Loop, ChildEdge::Odd(corner)) => {
                 let corners = [corner, mesh.next_corner(corner), mesh.previous_corner(corner)];
-                let edges = sides_and_across(mesh, corners).into_iter().zip(ODD);
-                edges.filter(|(_, weight)| *weight != 0.0).for_each(|(h, weight)| visit(h, weight));
+                let edges = sides_and_across(mesh, corners);
+                for (h, weight) in edges.into_iter().zip(ODD) {
+                    if weight != 0.0 {
+                        visit(h, weight);
+                    }
+                }
             }
         }
     }
 
     /// The row of `S2` of a child face: no face twice.
+    #[inline(always)]
     pub fn s2(self, mesh: &Mesh, split: &Split, child: usize, mut visit: impl FnMut(u32, f64)) {
         let of = split.face_parent(mesh, child);
         match (self, split.kind()) {
@@ -329,18 +337,35 @@ impl Regular {
                     visit(mesh.corner_face(left(mesh, h.twin())), 2.0 / 32.0);
                 }
             }
-            (_, kind) => {
-                let weights: &[f64] = match kind {
-                    SplitKind::Quad => &[9.0 / 64.0, 3.0 / 64.0, 1.0 / 64.0, 3.0 / 64.0],
-                    SplitKind::Triangle => &CORNER,
-                };
-                let (fan, place) = mesh.fan_of_corner(split.parent_corner(mesh, child));
-                for (j, &weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-                    visit(mesh.corner_face(fan.corner(place + j)), weight);
+            (_, SplitKind::Triangle) => {
+                let corners: [u32; 6] = fan_from(mesh, split.parent_corner(mesh, child));
+                for (corner, weight) in corners.into_iter().zip(CORNER) {
+                    if weight != 0.0 {
+                        visit(mesh.corner_face(corner), weight);
+                    }
+                }
+            }
+            (_, SplitKind::Quad) => {
+                let corners: [u32; 4] = fan_from(mesh, split.parent_corner(mesh, child));
+                let weights = [9.0 / 64.0, 3.0 / 64.0, 1.0 / 64.0, 3.0 / 64.0];
+                for (corner, weight) in corners.into_iter().zip(weights) {
+                    visit(mesh.corner_face(corner), weight);
                 }
             }
         }
     }
+}
+
+/// The corners round a regular vertex, counter-clockwise from one of them on.
+#[inline(always)]
+fn fan_from<const N: usize>(mesh: &Mesh, corner: u32) -> [u32; N] {
+    let (fan, place) = mesh.fan_of_corner(corner);
+    let fan: &[u32; N] = fan.corners.try_into().expect("a regular vertex has its valence");
+    let mut turned = [0; N];
+    for (j, corner) in turned.iter_mut().enumerate() {
+        *corner = fan[wrap(place + j, N)];
+    }
+    turned
 }
 
 /// The corner of a regular half-edge, which has faces on both sides.

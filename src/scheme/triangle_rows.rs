@@ -23,16 +23,18 @@ pub const ODD: [f64; 9] = over_32([-3.0, 6.0, -3.0, -3.0, 1.0, 0.0, 0.0, 1.0, -3
 pub const CORNER: [f64; 6] = over_32([4.0, 1.0, 1.0, 0.0, 1.0, 1.0]);
 
 /// Round a regular vertex of triangles, from its first corner on: the spokes, and the edges opposite.
-#[inline]
+#[inline(always)]
 pub fn spokes_and_rims(mesh: &Mesh, fan: &[u32; 6]) -> [HalfEdge; 12] {
-    std::array::from_fn(|i| match i {
-        0..6 => mesh.corner_half_edge(fan[i]),
-        _ => mesh.corner_half_edge(mesh.next_corner(fan[i - 6])),
-    })
+    let mut edges = [HalfEdge(0); 12];
+    for (i, &corner) in fan.iter().enumerate() {
+        edges[i] = mesh.corner_half_edge(corner);
+        edges[6 + i] = mesh.corner_half_edge(mesh.next_corner(corner));
+    }
+    edges
 }
 
 /// The sides of a triangle, and for each of them the next two in the triangle across; where there is none the side itself.
-#[inline]
+#[inline(always)]
 pub fn sides_and_across(mesh: &Mesh, corners: [u32; 3]) -> [HalfEdge; 9] {
     let side = |i: usize| mesh.corner_half_edge(corners[i]);
     let mut edges = [side(0), side(1), side(2), side(0), side(0), side(1), side(1), side(2), side(2)];

@@ -222,14 +222,20 @@ impl Mesh {
     }
 
     /// The fan that corner `c` belongs to, and its position there.
+    #[inline(always)]
     pub fn fan_of_corner(&self, c: u32) -> (Fan<'_>, usize) {
         let v = self.corner_vertex(c) as usize;
         let place = self.corner_place[c as usize];
         let fans = self.vertex_fans[v] as usize..self.vertex_fans[v + 1] as usize;
-        let i = fans.start + self.fan_offsets[fans.start + 1..fans.end].partition_point(|&end| end <= place);
+        let before = match fans.len() {
+            1 => 0,
+            _ => self.fan_offsets[fans.start + 1..fans.end].partition_point(|&end| end <= place),
+        };
+        let i = fans.start + before;
         (self.fan(i), (place - self.fan_offsets[i]) as usize)
     }
 
+    #[inline]
     fn fan(&self, i: usize) -> Fan<'_> {
         let range = self.fan_offsets[i] as usize..self.fan_offsets[i + 1] as usize;
         Fan { corners: &self.fan_corners[range], cyclic: self.fan_cyclic[i] }

@@ -20,41 +20,76 @@ namespace formwork {
 
 namespace internal {
 
-// The weights of a table, copied out of the C ABI.
-inline void CopyWeights(FormworkStencils const *from, uint32_t set, float *to) {
-    Check(formwork_stencils_weights_f32(from, set, to));
+// Rows of a table, written by the C ABI.
+inline void WriteRows(FormworkStencils const *from, uint32_t set, uint32_t first, uint32_t count, uint32_t *sizes,
+                      uint32_t *indices, float *weights) {
+    Check(formwork_stencils_rows_f32(from, set, first, count, sizes, indices, weights));
 }
-inline void CopyWeights(FormworkStencils const *from, uint32_t set, double *to) {
-    Check(formwork_stencils_weights_f64(from, set, to));
+inline void WriteRows(FormworkStencils const *from, uint32_t set, uint32_t first, uint32_t count, uint32_t *sizes,
+                      uint32_t *indices, double *weights) {
+    Check(formwork_stencils_rows_f64(from, set, first, count, sizes, indices, weights));
 }
 
-// A table as the C ABI makes it, and its arrays as OpenSubdiv's constructors take them.
+// Room in a vector, on huge pages if it is large.
+template <typename T>
+void Reserve(std::vector<T> &vector, size_t count) {
+    vector.reserve(count);
+    formwork_prefer_huge_pages(vector.data(), count * sizeof(T));
+}
+
+// A table of the C ABI, as the arrays that OpenSubdiv's constructors take.
+template <typename REAL>
 class Stencils {
 public:
     explicit Stencils(FormworkStencils *handle) : _handle(handle) {
         Check(formwork_stencils_counts(handle, &counts));
-        sizes.resize(counts.stencils);
-        offsets.resize(counts.stencils);
-        indices.resize(counts.entries);
-        Check(formwork_stencils_structure(handle, sizes.data(), offsets.data(), indices.data()));
-    }
-
-    template <typename REAL>
-    std::vector<REAL> GetWeights(uint32_t set) const {
-        std::vector<REAL> weights(counts.entries);
-        CopyWeights(_handle.get(), set, weights.data());
-        return weights;
+        weights.resize(counts.weight_sets);
+        Reserve(sizes, counts.stencils);
+        Reserve(offsets, counts.stencils);
+        Reserve(indices, counts.entries);
+        for (uint32_t set = 0; set < counts.weight_sets; ++set) {
+            Reserve(weights[set], counts.entries);
+            read(set);
+        }
     }
 
     FormworkStencilCounts counts;
     std::vector<int> sizes, offsets, indices;
+    std::vector<std::vector<REAL> > weights;
 
 private:
     struct Free {
         void operator()(FormworkStencils *stencils) const { formwork_stencils_free(stencils); }
     };
 
+    // By way of arrays that stay in the cache: large ones are touched once, when the rows are appended.
+    void read(uint32_t set) {
+        uint32_t const run = 8192;
+        std::vector<uint32_t> someSizes(run), someIndices;
+        std::vector<REAL> someWeights;
+        for (uint32_t first = 0, count; first < counts.stencils; first += count) {
+            count = counts.stencils - first < run ? counts.stencils - first : run;
+            uint32_t entries = 0;
+            Check(formwork_stencils_entries(_handle.get(), first, count, &entries));
+            if (someIndices.size() < entries) {
+                someIndices.resize(entries);
+                someWeights.resize(entries);
+            }
+            WriteRows(_handle.get(), set, first, count, someSizes.data(), someIndices.data(), someWeights.data());
+            weights[set].insert(weights[set].end(), someWeights.begin(), someWeights.begin() + entries);
+            if (set == 0) {
+                indices.insert(indices.end(), someIndices.begin(), someIndices.begin() + entries);
+                sizes.insert(sizes.end(), someSizes.begin(), someSizes.begin() + count);
+                for (uint32_t i = 0; i < count; ++i) {
+                    offsets.push_back(_next);
+                    _next += static_cast<int>(someSizes[i]);
+                }
+            }
+        }
+    }
+
     std::unique_ptr<FormworkStencils, Free> _handle;
+    int _next = 0;
 };
 
 } // end namespace internal
@@ -73,9 +108,9 @@ class FormStencilTableReal
                               OpenSubdiv::Far::StencilTableReal<REAL>>::type {
 public:
     /// \brief Takes the arrays of a table of the C ABI
-    explicit FormStencilTableReal(internal::Stencils &&from) {
+    explicit FormStencilTableReal(internal::Stencils<REAL> &&from) {
         this->_numControlVertices = static_cast<int>(from.counts.control_values);
-        this->_weights = from.GetWeights<REAL>(0);
+        this->_weights.swap(from.weights[0]);
         this->_sizes.swap(from.sizes);
         this->_offsets.swap(from.offsets);
         this->_indices.swap(from.indices);
@@ -99,9 +134,9 @@ class FormLimitStencilTableReal
 
 public:
     /// \brief Takes the arrays of a table of the C ABI
-    explicit FormLimitStencilTableReal(internal::Stencils &&from)
+    explicit FormLimitStencilTableReal(internal::Stencils<REAL> &&from)
         : BaseTable(static_cast<int>(from.counts.control_values), from.offsets, from.sizes, from.indices,
-                    from.GetWeights<REAL>(0), from.GetWeights<REAL>(1), from.GetWeights<REAL>(2),
+                    from.weights[0], from.weights[1], from.weights[2],
                     std::vector<REAL>(), std::vector<REAL>(), std::vector<REAL>(),
                     /*includeCoarseVerts=*/false, /*firstOffset=*/0) {}
 };
@@ -138,7 +173,7 @@ public:
                                                  to,
                                                  options.generateIntermediateLevels, &stencils));
         return std::unique_ptr<FormStencilTableReal<REAL> const>(
-            new FormStencilTableReal<REAL>(internal::Stencils(stencils)));
+            new FormStencilTableReal<REAL>(internal::Stencils<REAL>(stencils)));
     }
 
     /// \brief The same for a program that needs one table only
@@ -202,7 +237,7 @@ public:
                                                 options.fromLevel,
                                                 level(refiner, options), &stencils));
         return std::unique_ptr<FormStencilTableReal<REAL> const>(
-            new FormStencilTableReal<REAL>(internal::Stencils(stencils)));
+            new FormStencilTableReal<REAL>(internal::Stencils<REAL>(stencils)));
     }
 
     /// \brief Makes a table of a form of degree 0 at limit points, with its derivatives du and dv: for positions, the
@@ -240,12 +275,12 @@ private:
         return options.level == -1 ? refiner.GetMaxLevel() : options.level;
     }
 
-    static internal::Stencils points(FormRefiner const &refiner, Options const &options) {
+    static internal::Stencils<REAL> points(FormRefiner const &refiner, Options const &options) {
         FormworkStencils *stencils = nullptr;
         internal::Check(formwork_stencils_points(refiner.GetHandle(), options.degree,
                                                  options.fromLevel, level(refiner, options),
                                                  static_cast<uint32_t>(options.location), &stencils));
-        return internal::Stencils(stencils);
+        return internal::Stencils<REAL>(stencils);
     }
 };
 

@@ -380,36 +380,52 @@ FormworkStatus formwork_stencils_counts(const FormworkStencils *stencils,
                                         FormworkStencilCounts *out);
 
 /**
- * The structure of stencils; arrays that are null are left out. `sizes` takes the number of entries of each row,
- * `offsets` where in `indices` and in the weights each row starts, `indices` the control value of each entry.
+ * The number of entries of `count` rows from `first` on.
  *
  * # Safety
- * `stencils` is alive; the arrays are as long as `formwork_stencils_counts` says.
+ * `stencils` is alive; `out` may be written to.
  */
-FormworkStatus formwork_stencils_structure(const FormworkStencils *stencils,
-                                           int32_t *sizes,
-                                           int32_t *offsets,
-                                           int32_t *indices);
+FormworkStatus formwork_stencils_entries(const FormworkStencils *stencils,
+                                         uint32_t first,
+                                         uint32_t count,
+                                         uint32_t *out);
 
 /**
- * One set of weights in single precision: 0 the values, 1 and 2 the derivatives if there are any.
+ * `count` rows from `first` on, with one set of weights (0 the values, 1 and 2 the derivatives if there are any) in single
+ * precision. `sizes` takes the number of entries of each row; `indices` and `weights`, row after row, the control value and
+ * the weight of each entry, in no order.
  *
  * # Safety
- * `stencils` is alive; `out` is as long as `formwork_stencils_counts` says.
+ * `stencils` is alive; `sizes` is as long as `count` says, `indices` and `weights` as `formwork_stencils_entries` says.
  */
-FormworkStatus formwork_stencils_weights_f32(const FormworkStencils *stencils,
-                                             uint32_t set,
-                                             float *out);
+FormworkStatus formwork_stencils_rows_f32(const FormworkStencils *stencils,
+                                          uint32_t set,
+                                          uint32_t first,
+                                          uint32_t count,
+                                          uint32_t *sizes,
+                                          uint32_t *indices,
+                                          float *weights);
 
 /**
- * One set of weights in double precision: 0 the values, 1 and 2 the derivatives if there are any.
+ * `formwork_stencils_rows_f32` in double precision.
  *
  * # Safety
- * `stencils` is alive; `out` is as long as `formwork_stencils_counts` says.
+ * As there.
  */
-FormworkStatus formwork_stencils_weights_f64(const FormworkStencils *stencils,
-                                             uint32_t set,
-                                             double *out);
+FormworkStatus formwork_stencils_rows_f64(const FormworkStencils *stencils,
+                                          uint32_t set,
+                                          uint32_t first,
+                                          uint32_t count,
+                                          uint32_t *sizes,
+                                          uint32_t *indices,
+                                          double *weights);
+
+/**
+ * Advice before large fresh memory is touched: it is to lie on huge pages, where the system has them, which costs far fewer
+ * page faults. Nothing is read or written, and anything may be refused; any range will do.
+ */
+void formwork_prefer_huge_pages(const void *start,
+                                size_t bytes);
 
 #ifdef __cplusplus
 }  // extern "C"
