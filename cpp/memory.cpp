@@ -4,16 +4,15 @@
 
 #if defined(__linux__)
 #include <sys/mman.h>
-#include <unistd.h>
 #endif
 
 namespace formwork {
 
 void prefer_huge_pages(std::size_t address, std::size_t bytes) noexcept {
 #if defined(MADV_HUGEPAGE)
-    // Every page that holds some of them, the allocator's own words before them too: a mapping of which only a part was
-    // spoken of is two to the system, which then cannot grow it without copying.
-    auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    // Every huge page that holds some of them, whatever else it holds: what lies side by side is to share them, and a
+    // mapping of which only a part was spoken of is two to the system, which then cannot grow it without copying.
+    std::size_t const page = std::size_t(2) << 20;
     std::size_t begin = address / page * page;
     std::size_t end = (address + bytes + page - 1) / page * page;
     if (begin < end) {

@@ -65,9 +65,9 @@ impl Refinement {
                 }
             }
         }
-        let s1_exceptions = Exceptions::collect(
+        let s1_exceptions = Exceptions::listed(
             (split.num_children(1), parent.num_edges()),
-            |edge| homotopy.h1.position(edge).is_some(),
+            homotopy.h1.members().iter().map(|&edge| edge as usize),
             |edge, row| add_s1_row(&split, &homotopy, parent, edge, 1.0, row),
         );
         Refinement { split, homotopy, s1_exceptions, blocks, continued }

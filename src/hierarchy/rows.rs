@@ -6,7 +6,7 @@ use std::ops::Range;
 use super::refinement::Refinement;
 use crate::cochain::Quantity;
 use crate::scheme::Regular;
-use crate::sparse::Exceptions;
+use crate::sparse::{Exceptions, Row};
 use crate::topology::{ChildEdge, HalfEdge, Mesh, Parent, SplitKind};
 
 /// The most terms of a regular row. Centres of larger polygons count as exceptions.
@@ -24,6 +24,11 @@ pub struct Terms {
 pub trait Rule: Sync {
     /// The number of terms of a row.
     fn length(&self, row: usize) -> usize;
+
+    /// The number of terms of a run of rows.
+    fn lengths(&self, rows: Range<usize>) -> usize {
+        rows.map(|row| self.length(row)).sum()
+    }
 
     /// The terms of a row, in any order, no column twice.
     fn visit(&self, row: usize, visit: impl FnMut(u32, f64));
@@ -94,6 +99,14 @@ impl<R: Rule> Mixed<'_, R> {
         })
     }
 
+    /// The number of terms of a run of rows, all together: those of all if they were regular, and what is different.
+    pub fn num_terms(&self, rows: Range<usize>) -> usize {
+        let among = self.exceptions.among(rows.clone());
+        let others = self.exceptions.members()[among.clone()].iter();
+        let others: usize = others.map(|&row| self.rule.length(row as usize)).sum();
+        self.rule.lengths(rows) - others + self.exceptions.num_terms(among)
+    }
+
     /// Writes a run of rows one after the other, their terms in any order, and the length of each.
     pub fn write<W: Quantity>(
         &self,
@@ -157,11 +170,18 @@ pub fn exceptions<'a>(r: &'a Refinement, parent: &'a Mesh, degree: usize) -> Cow
             |edge, row| r.add_s1_row(parent, edge, 1.0, row),
         )),
         1 => Cow::Borrowed(&r.s1_exceptions),
-        _ => Cow::Owned(Exceptions::collect(
-            shape,
-            |face| !r.is_regular_face(parent, face),
-            |face, row| r.add_s2_row(parent, face, 1.0, row),
-        )),
+        _ => {
+            let fill = |face: usize, row: &mut Row| r.add_s2_row(parent, face, 1.0, row);
+            let places = r.homotopy.h1.members().iter().map(|&edge| r.split.edge_parent(edge as usize));
+            let non_manifold = |place| matches!(place, ChildEdge::Even(h) if parent.is_non_manifold_edge(h.edge()));
+            Cow::Owned(match places.clone().any(non_manifold) {
+                true => Exceptions::collect(shape, |face| !r.is_regular_face(parent, face), fill),
+                false => {
+                    let faces = places.flat_map(|place| r.split.faces_beside(parent, place));
+                    Exceptions::listed(shape, faces.map(|face| face as usize), fill)
+                }
+            })
+        }
     }
 }
 
@@ -235,6 +255,11 @@ impl Rule for EdgeRule<'_> {
         }
     }
 
+    fn lengths(&self, rows: Range<usize>) -> usize {
+        let first_even = self.parent.num_corners().clamp(rows.start, rows.end);
+        self.lengths[0] * (rows.end - first_even) + self.lengths[1] * (first_even - rows.start)
+    }
+
     #[inline]
     fn visit(&self, row: usize, mut visit: impl FnMut(u32, f64)) {
         let (split, regular) = (&self.r.split, self.r.homotopy.regular);
@@ -270,6 +295,14 @@ impl Rule for FaceRule<'_> {
             (Regular::Whitney, _) => 1,
             (_, SplitKind::Triangle) if row % 4 != 3 => 5,
             _ => 4,
+        }
+    }
+
+    fn lengths(&self, rows: Range<usize>) -> usize {
+        match (self.r.homotopy.regular, self.r.split.kind()) {
+            (Regular::Whitney, _) => rows.len(),
+            (_, SplitKind::Triangle) => 5 * rows.len() - (rows.end / 4 - rows.start / 4),
+            _ => 4 * rows.len(),
         }
     }
 

@@ -47,9 +47,9 @@ impl StepStencils {
     pub fn num_terms(&self, rows: Range<usize>) -> usize {
         assert!(rows.end <= self.shape().0, "rows {rows:?} of {}", self.shape().0);
         match self.degree {
-            0 => self.s0().lengths(rows).sum(),
-            1 => self.s1().lengths(rows).sum(),
-            _ => self.s2().lengths(rows).sum(),
+            0 => self.s0().num_terms(rows),
+            1 => self.s1().num_terms(rows),
+            _ => self.s2().num_terms(rows),
         }
     }
 
@@ -103,7 +103,7 @@ fn write<W: Quantity>(
     let mut runs = Vec::with_capacity(rows.len().div_ceil(RUN));
     for start in rows.clone().step_by(RUN) {
         let run = start..rows.end.min(start + RUN);
-        let terms = of.lengths(run.clone()).sum();
+        let terms = of.num_terms(run.clone());
         let parts = (front(&mut lengths, run.len()), front(&mut columns, terms), front(&mut weights, terms));
         runs.push((run, parts));
     }

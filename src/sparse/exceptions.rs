@@ -31,6 +31,22 @@ impl Exceptions {
             bits.fold(0u64, |word, row| word | u64::from(is_exception(row)) << (row % 64))
         };
         let words = memory::collect((0..shape.0.div_ceil(64)).into_par_iter().with_min_len(64).map(word));
+        Self::of_words(words, shape.1, fill)
+    }
+
+    /// Of a matrix of `shape`, the rows that are in `list`, in any order and with repeats.
+    pub fn listed(
+        shape: (usize, usize),
+        list: impl Iterator<Item = usize>,
+        fill: impl Fn(usize, &mut Row) + Sync,
+    ) -> Self {
+        let mut words = vec![0u64; shape.0.div_ceil(64)];
+        list.for_each(|row| words[row / 64] |= 1 << (row % 64));
+        Self::of_words(words, shape.1, fill)
+    }
+
+    /// The rows whose bits are set.
+    fn of_words(words: Vec<u64>, columns: usize, fill: impl Fn(usize, &mut Row) + Sync) -> Self {
         let mut before = Vec::with_capacity(words.len());
         let mut members = Vec::new();
         for (w, &word) in words.iter().enumerate() {
@@ -41,7 +57,7 @@ impl Exceptions {
                 rest &= rest - 1;
             }
         }
-        let rows = assemble((members.len(), shape.1), |i, row| fill(members[i] as usize, row));
+        let rows = assemble((members.len(), columns), |i, row| fill(members[i] as usize, row));
         Exceptions { words, before, members, rows }
     }
 
@@ -59,6 +75,11 @@ impl Exceptions {
     pub fn among(&self, rows: Range<usize>) -> Range<usize> {
         let first_at = |row: usize| self.members.partition_point(|&member| (member as usize) < row);
         first_at(rows.start)..first_at(rows.end)
+    }
+
+    /// The number of terms of the stored rows at a run of positions.
+    pub fn num_terms(&self, positions: Range<usize>) -> usize {
+        self.rows.indptr().outer_inds_slice(positions.start, positions.end).len()
     }
 
     /// The columns and weights of the stored row at a position.
@@ -93,6 +114,10 @@ mod tests {
             let expected = is(row).then_some((vec![row as u32], vec![2.0]));
             assert_eq!(few.get(row).map(|(c, w)| (c.to_vec(), w.to_vec())), expected);
         }
+        let twice = (0..1000).rev().chain(0..500).filter(|&row| is(row));
+        let listed = Exceptions::listed((1000, 1000), twice, |row, out| out.add(row as u32, 2.0));
+        assert_eq!((listed.members(), &listed.rows), (few.members(), &few.rows));
+        assert_eq!(few.num_terms(few.among(60..70)), 10);
         let members: Vec<u32> = (100..200).filter(|&row| is(row)).map(|row| row as u32).collect();
         assert_eq!(&few.members()[few.among(100..200)], members);
     }

@@ -190,6 +190,25 @@ impl Split {
         visit(ChildEdge::Even(parent.corner_half_edge(previous).twin()), 1.0);
     }
 
+    /// The child faces beside a child edge: two or, on a boundary, one. Of an edge that is not manifold its faces are not
+    /// known, and there is none.
+    pub fn faces_beside(&self, parent: &Mesh, place: ChildEdge) -> impl Iterator<Item = u32> {
+        let at = |corner| self.face_at(parent, corner);
+        let faces = match (place, self.kind) {
+            (ChildEdge::Even(h), _) => {
+                let right = parent.left_corner(h.twin()).map(|corner| parent.next_corner(corner));
+                [parent.left_corner(h).map(at), right.map(at)]
+            }
+            (ChildEdge::Odd(corner), SplitKind::Quad) => {
+                [Some(at(corner)), Some(at(parent.next_corner(corner)))]
+            }
+            (ChildEdge::Odd(corner), SplitKind::Triangle) => {
+                [Some(at(corner)), Some(4 * parent.corner_face(corner) + 3)]
+            }
+        };
+        faces.into_iter().flatten()
+    }
+
     /// The corner of the parent at which a child face lies.
     ///
     /// # Panics

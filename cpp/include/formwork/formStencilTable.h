@@ -65,7 +65,7 @@ private:
     // By way of arrays that stay in the cache: large ones are touched once, when the rows are appended.
     void read(uint32_t set) {
         uint32_t const run = 8192;
-        std::vector<uint32_t> someSizes(run), someIndices;
+        std::vector<int> someSizes(run), someIndices;
         std::vector<REAL> someWeights;
         for (uint32_t first = 0, count; first < counts.stencils; first += count) {
             count = counts.stencils - first < run ? counts.stencils - first : run;
@@ -75,14 +75,15 @@ private:
                 someIndices.resize(entries);
                 someWeights.resize(entries);
             }
-            WriteRows(_handle.get(), set, first, count, someSizes.data(), someIndices.data(), someWeights.data());
+            WriteRows(_handle.get(), set, first, count, reinterpret_cast<uint32_t *>(someSizes.data()),
+                      reinterpret_cast<uint32_t *>(someIndices.data()), someWeights.data());
             weights[set].insert(weights[set].end(), someWeights.begin(), someWeights.begin() + entries);
             if (set == 0) {
                 indices.insert(indices.end(), someIndices.begin(), someIndices.begin() + entries);
                 sizes.insert(sizes.end(), someSizes.begin(), someSizes.begin() + count);
                 for (uint32_t i = 0; i < count; ++i) {
                     offsets.push_back(_next);
-                    _next += static_cast<int>(someSizes[i]);
+                    _next += someSizes[i];
                 }
             }
         }
