@@ -88,8 +88,35 @@ impl RegularCells {
         RegularCells { vertices, edges }
     }
 
+    /// The child edges whose rows of `H1` and `S1` do not follow the formula, some of them several times: they are where
+    /// edges and vertices are not regular.
+    pub(super) fn other_child_edges(&self, split: &Split, mesh: &Mesh) -> impl Iterator<Item = usize> {
+        let edges = (0..mesh.num_edges() as u32).filter(|&e| !self.edges[e as usize]);
+        let vertices = (0..mesh.num_vertices() as u32).filter(|&v| !self.vertices[v as usize]);
+        // Beside an edge that is not manifold there are more corners than those that are known by it.
+        let corners = match mesh.uniform_face_size() {
+            Some(_) if !edges.clone().any(|e| mesh.is_non_manifold_edge(e)) => 0..0,
+            _ => 0..mesh.num_corners() as u32,
+        };
+        let beside = |h: HalfEdge| {
+            let corner = mesh.left_corner(h);
+            [corner, corner.map(|corner| mesh.next_corner(corner))].into_iter().flatten().map(ChildEdge::Odd)
+        };
+        let of_edge = move |e| {
+            let sides = [HalfEdge::new(e, true), HalfEdge::new(e, false)];
+            sides.into_iter().flat_map(move |h| beside(h).chain([ChildEdge::Even(h)]))
+        };
+        let of_vertex = |v| {
+            let corners = mesh.fans(v).flat_map(|fan| fan.corners);
+            let even = mesh.vertex_half_edges(v).iter().map(|&h| ChildEdge::Even(h));
+            corners.map(|&corner| ChildEdge::Odd(corner)).chain(even)
+        };
+        let places = edges.flat_map(of_edge).chain(vertices.flat_map(of_vertex)).chain(corners.map(ChildEdge::Odd));
+        places.filter(|&place| !self.child_edge(split.kind(), mesh, place)).map(|place| split.edge_of(place) as usize)
+    }
+
     /// Whether the row of `H1` of a child edge, and its row of `S1`, follow the formula.
-    pub(super) fn child_edge(&self, kind: SplitKind, mesh: &Mesh, child: ChildEdge) -> bool {
+    fn child_edge(&self, kind: SplitKind, mesh: &Mesh, child: ChildEdge) -> bool {
         let edge = |h: HalfEdge| self.edges[h.edge() as usize];
         match (child, kind) {
             (ChildEdge::Even(h), _) => self.vertices[mesh.tail(h) as usize] && edge(h),

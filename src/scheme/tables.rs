@@ -23,9 +23,9 @@ pub(super) fn homotopy(
     let split = Split::new(kind, mesh);
     let regular = RegularCells::of(kind, mesh, masks, known);
     let correction = Correction::new(mesh, &masks.edge_face, &masks.rules, weights);
-    let h1 = Exceptions::collect(
+    let h1 = Exceptions::listed(
         (split.num_children(1), mesh.num_faces()),
-        |edge| !regular.child_edge(kind, mesh, split.edge_parent(edge)),
+        regular.other_child_edges(&split, mesh),
         |edge, row| match split.edge_parent(edge) {
             // The child edge is directed m_e -> v.
             ChildEdge::Even(h) => correction.add_row(h, -1.0, row),

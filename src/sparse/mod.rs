@@ -31,11 +31,10 @@ pub const ROUNDING_DUST: f64 = 1e-15;
 
 /// One row under assembly: a sum of terms `weight * column`, in any order and with repeats.
 pub struct Row {
-    /// With room for all columns, so that a repeated column costs one addition and no search; or without any,
-    /// where so few rows are wanted of so wide a matrix that the room would cost more.
-    sums: Vec<f64>,
-    listed: Vec<bool>,
-    columns: Vec<u32>,
+    /// With room for all columns, so that a repeated column costs one addition and no search: where in `terms` each was put
+    /// last, which may be stale. Or without any, where so few rows are wanted of so wide a matrix that the room would cost
+    /// more; then columns repeat in `terms`.
+    places: Vec<u32>,
     terms: Vec<(u32, f64)>,
 }
 
@@ -43,7 +42,7 @@ impl Row {
     /// For `rows` rows of a matrix of so many columns.
     fn new(rows: usize, columns: usize) -> Self {
         let room = if columns < 16 * rows { columns } else { 0 };
-        Row { sums: vec![0.0; room], listed: vec![false; room], columns: Vec::new(), terms: Vec::new() }
+        Row { places: memory::zeros(room), terms: Vec::new() }
     }
 
     /// Adds `weight` to the entry in `column`.
@@ -52,15 +51,17 @@ impl Row {
     /// If `column` is out of range, here or when the matrix is complete.
     #[inline]
     pub fn add(&mut self, column: u32, weight: f64) {
-        if self.sums.is_empty() {
+        if self.places.is_empty() {
             return self.terms.push((column, weight));
         }
-        let c = column as usize;
-        if !self.listed[c] {
-            self.listed[c] = true;
-            self.columns.push(column);
+        let place = &mut self.places[column as usize];
+        match self.terms.get_mut(*place as usize) {
+            Some((of, sum)) if *of == column => *sum += weight,
+            _ => {
+                *place = self.terms.len() as u32;
+                self.terms.push((column, weight));
+            }
         }
-        self.sums[c] += weight;
     }
 
     /// Adds `scale` times row `row` of `matrix`.
@@ -77,12 +78,7 @@ impl Row {
 
     /// Moves the finished row to the end of `part` and clears this one for the next.
     fn flush(&mut self, part: &mut Part) {
-        self.columns.sort_unstable();
-        for column in self.columns.drain(..) {
-            part.push(column, std::mem::take(&mut self.sums[column as usize]));
-            self.listed[column as usize] = false;
-        }
-        // Stable, so that the terms of a column are added in the order in which they came, here as there.
+        // Stable, so that the terms of a column are added in the order in which they came, with room or without.
         self.terms.sort_by_key(|&(column, _)| column);
         for terms in self.terms.chunk_by(|a, b| a.0 == b.0) {
             part.push(terms[0].0, terms.iter().fold(0.0, |sum, &(_, weight)| sum + weight));
