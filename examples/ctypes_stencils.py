@@ -65,11 +65,12 @@ def stencils(mesh, degree, start, end):
     counts = numpy.empty(4, numpy.uint32)  # FormworkStencilCounts
     call("stencils_counts", handle, pointer(counts))
     columns, rows, entries, _ = map(int, counts)
-    offsets = numpy.full(rows + 1, entries, numpy.int32)
-    indices, weights = numpy.empty(entries, numpy.int32), numpy.empty(entries)
-    call("stencils_structure", handle, None, pointer(offsets), pointer(indices))
-    call("stencils_weights_f64", handle, c_uint32(0), pointer(weights))
+    sizes, indices = numpy.zeros(rows, numpy.uint32), numpy.zeros(entries, numpy.uint32)
+    weights = numpy.zeros(entries)
+    arrays = map(pointer, (sizes, indices, weights))
+    call("stencils_rows_f64", handle, *map(c_uint32, (0, 0, rows)), *arrays)
     formwork.formwork_stencils_free(handle)
+    offsets = numpy.concatenate([[0], numpy.cumsum(sizes)])
     return scipy.sparse.csr_matrix((weights, indices, offsets), shape=(rows, columns))
 
 

@@ -21,20 +21,28 @@ mod ffi {
 /// Arrays below this, in bytes, stay where they are.
 const LARGE: usize = 1 << 20;
 
+/// Arrays from here on, in bytes, are mappings of their own (`DEFAULT_MMAP_THRESHOLD_MAX` of glibc).
+const MAPPED: usize = 32 << 20;
+
 /// An empty vector with room for `capacity` values, on huge pages as [`on_huge_pages`] says.
 pub fn with_capacity<T>(capacity: usize) -> Vec<T> {
     on_huge_pages(Vec::with_capacity(capacity))
 }
 
-/// `len` zeros, or what a type has in their place, on huge pages as [`on_huge_pages`] says.
+/// `len` zeros, or what a type has in their place, on huge pages as [`on_huge_pages`] says. Where memory is fresh, what is
+/// never written is never touched.
 pub fn zeros<T: Clone + Default>(len: usize) -> Vec<T> {
-    if len * size_of::<T>() < MAPPED {
-        return filled(T::default(), len);
-    }
     on_huge_pages(vec![T::default(); len])
 }
 
-const MAPPED: usize = 32 << 20;
+/// [`zeros`] that are all to be written over. The allocator clears what it has used before by itself, before the system can
+/// be asked for huge pages; only what is so large that it always comes from the system is left untouched.
+pub fn zeros_to_fill<T: Clone + Default>(len: usize) -> Vec<T> {
+    match len * size_of::<T>() < MAPPED {
+        true => filled(T::default(), len),
+        false => zeros(len),
+    }
+}
 
 /// `len` times a value, on huge pages as [`on_huge_pages`] says.
 pub fn filled<T: Clone>(value: T, len: usize) -> Vec<T> {

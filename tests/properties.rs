@@ -4,7 +4,7 @@ mod common;
 
 use approx::assert_relative_eq;
 use common::meshes::{random_cage, random_triangles};
-use common::{EXACT, assert_laws, triangle_schemes};
+use common::{EXACT, assert_laws, assert_stencils, triangle_schemes};
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
@@ -56,6 +56,7 @@ proptest! {
         for (hierarchy, level) in levels {
             let (parent, child) = (hierarchy.level(level - 1).mesh(), hierarchy.level(level).mesh());
             let operators = hierarchy.operators(level);
+            assert_stencils(hierarchy, level);
             let x = Cochain::<0>::new(values(parent.num_vertices(), seed));
             let c = Cochain::<1>::new(values(parent.num_edges(), seed));
             let density = Cochain::<2>::new(values(parent.num_faces(), seed));
@@ -115,7 +116,12 @@ fn results_are_bitwise_the_same_for_any_number_of_threads() {
                 let hierarchy = Hierarchy::new(&cage, scheme, levels).unwrap();
                 let form = Cochain::<1>::new(values(hierarchy.level(0).mesh().num_edges(), 7));
                 let operators = hierarchy.operators(levels);
-                (hierarchy.subdivide(&form).into_values(), operators.s1, operators.s2)
+                let stencils = hierarchy.step_stencils(1, levels);
+                let (rows, terms) = (stencils.shape().0, operators.s1.nnz());
+                let (mut lengths, mut columns, mut weights) =
+                    (vec![0; rows], vec![0; terms], vec![0.0; terms]);
+                stencils.write(0..rows, &mut lengths, &mut columns, &mut weights);
+                (hierarchy.subdivide(&form).into_values(), operators.s1, operators.s2, columns, weights)
             })
         };
         let one = run(1);

@@ -4,7 +4,7 @@
 mod common;
 
 use common::shapes::{Shape, shapes};
-use common::{EXACT, assert_laws, meshes, triangle_schemes};
+use common::{EXACT, assert_laws, assert_stencils, meshes, triangle_schemes};
 use formwork::cochain::Cochain;
 use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
@@ -44,7 +44,8 @@ fn assert_laws_on_shapes(family: &str, schemes: &[Scheme]) {
     println!("{} {family} shapes: worst law {worst:.1e}, worst S0 weight {worst_s0:.1e}", shapes.len());
 }
 
-/// Operators over several levels against the products of those of each level, and the kernel of 1-forms against `S1`.
+/// Operators over several levels against the products of those of each level, and against each of these the kernel of 1-forms
+/// and the rows as evaluators take them.
 fn assert_composed(name: &str, cage: &Cage, scheme: Scheme) {
     let hierarchy = Hierarchy::new(cage, scheme, 3).unwrap_or_else(|error| panic!("{name}: {error}"));
     for degree in 0..3 {
@@ -63,6 +64,7 @@ fn assert_composed(name: &str, cage: &Cage, scheme: Scheme) {
             (hierarchy.refine(level, &form), apply(&hierarchy.operator(1, level), form.values()));
         let off = kernel.values().iter().zip(&product).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(off <= EXACT, "{name}, {scheme:?}, level {level} without a matrix: {off:e}");
+        assert_stencils(&hierarchy, level);
     }
 }
 

@@ -44,7 +44,9 @@ fn main() {
     for (precision, program) in &precisions {
         for (name, mesh) in &meshes {
             for levels in [3, 4] {
-                let [refine, s0, read, forms] = measure(program, mesh, levels, "time")[..] else { panic!("four times") };
+                let [refine, s0, read, forms] = measure(program, mesh, levels, "time")[..] else {
+                    panic!("four times")
+                };
                 println!(
                     "{name:<20} {precision:<6} {levels:>6} | {refine:>8.0} {s0:>8.0} | {read:>8.0} {forms:>8.0} | {:.2}x",
                     (read + forms) / (refine + s0)
@@ -58,7 +60,9 @@ fn main() {
             let peak = |what: &str| measure(program, mesh, 4, what)[0];
             let empty = peak("none");
             let [refiner, s0, forms] = ["refiner", "s0", "forms"].map(|what| (peak(what) - empty) / 2.56e6);
-            println!("{name:<20} {precision:<6} | refiner {refiner:>5.0}, with S0 {s0:>5.0} | with S1 and S2 instead {forms:>5.0}");
+            println!(
+                "{name:<20} {precision:<6} | refiner {refiner:>5.0}, with S0 {s0:>5.0} | with S1 and S2 instead {forms:>5.0}"
+            );
         }
     }
 }

@@ -198,7 +198,9 @@ impl FormworkStencils {
         let (first, count, rows) = (first as usize, count as usize, self.num_rows());
         match first.checked_add(count).is_some_and(|end| end <= rows) {
             true => Ok(first..first + count),
-            false => Err(Invalid(format!("there are no {count} rows from {first} on: these stencils have {rows}"))),
+            false => {
+                Err(Invalid(format!("there are no {count} rows from {first} on: these stencils have {rows}")))
+            }
         }
     }
 

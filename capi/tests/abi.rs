@@ -82,39 +82,72 @@ impl Caller {
             message(formwork_stencils_counts(table, &mut counts)).unwrap();
             let (stencils, entries) = (counts.stencils as usize, counts.entries as usize);
             assert_eq!(counts.weight_sets, 1);
-            let (mut sizes, mut offsets) = (guarded(stencils, -7), guarded(stencils, -7));
-            let mut indices = guarded(entries, -7);
+            let (mut sizes, mut indices) = (guarded(stencils, u32::MAX), guarded(entries, u32::MAX));
             let (mut weights, mut single) = (guarded(entries, f64::MAX), guarded(entries, f32::MAX));
-            message(formwork_stencils_structure(table, sizes.as_mut_ptr(), null_mut(), null_mut())).unwrap();
-            message(formwork_stencils_structure(
+            let all = counts.stencils;
+            message(formwork_stencils_rows_f64(
                 table,
-                null_mut(),
-                offsets.as_mut_ptr(),
+                0,
+                0,
+                all,
+                sizes.as_mut_ptr(),
                 indices.as_mut_ptr(),
+                weights.as_mut_ptr(),
             ))
             .unwrap();
-            message(formwork_stencils_weights_f64(table, 0, weights.as_mut_ptr())).unwrap();
-            message(formwork_stencils_weights_f32(table, 0, single.as_mut_ptr())).unwrap();
-            let refused = message(formwork_stencils_weights_f64(table, 1, weights.as_mut_ptr()));
-            assert_eq!(refused.unwrap_err(), "there is no set of weights 1: these stencils have 1");
+            // In single precision in runs of a few rows, one after the other.
+            let (mut next, mut start) = (0, 0);
+            while next < all {
+                let (count, mut run) = ((all - next).min(7), 0);
+                message(formwork_stencils_entries(table, next, count, &mut run)).unwrap();
+                let (mut some_sizes, mut some_indices) = (guarded(7, 0), guarded(run as usize, u32::MAX));
+                let single = single[start..].as_mut_ptr();
+                let (sizes_at, indices_at) = (some_sizes.as_mut_ptr(), some_indices.as_mut_ptr());
+                message(formwork_stencils_rows_f32(table, 0, next, count, sizes_at, indices_at, single))
+                    .unwrap();
+                let end = start + run as usize;
+                assert_eq!(some_sizes[..count as usize], sizes[next as usize..(next + count) as usize]);
+                assert_eq!(some_indices.pop(), Some(u32::MAX), "written past the end");
+                assert_eq!(some_indices, indices[start..end]);
+                (next, start) = (next + count, end);
+            }
+            assert_eq!(start, entries);
+            let mut none = 0;
+            let rows = |set, first, count| {
+                let (sizes, indices, weights) = (null_mut(), null_mut(), null_mut());
+                message(formwork_stencils_rows_f64(table, set, first, count, sizes, indices, weights))
+                    .unwrap_err()
+            };
+            assert_eq!(rows(1, 0, all), "there is no set of weights 1: these stencils have 1");
+            assert_eq!(rows(0, 0, all), "the pointer to the sizes is null");
+            let refused = format!("there are no 2 rows from {} on: these stencils have {all}", all - 1);
+            assert_eq!(rows(0, all - 1, 2), refused);
+            assert_eq!(
+                message(formwork_stencils_entries(table, all - 1, 2, &mut none)).unwrap_err(),
+                refused
+            );
+            message(formwork_stencils_entries(table, u32::MAX, 2, &mut none)).unwrap_err();
+            message(formwork_stencils_entries(table, all, 0, &mut none)).unwrap();
+            assert_eq!(none, 0);
             formwork_stencils_free(table);
-            for array in [&mut sizes, &mut offsets, &mut indices] {
-                assert_eq!(array.pop(), Some(-7), "written past the end");
-                assert!(array.iter().all(|&x| x >= 0), "not all written");
+            for array in [&mut sizes, &mut indices] {
+                assert_eq!(array.pop(), Some(u32::MAX), "written past the end");
             }
             assert_eq!(
                 (weights.pop(), single.pop()),
                 (Some(f64::MAX), Some(f32::MAX)),
                 "written past the end"
             );
-            assert!(indices.iter().all(|&i| (i as u32) < counts.control_values));
-            let row = |(&start, &size): (&i32, &i32)| {
-                (start..start + size)
-                    .map(|i| i as usize)
-                    .map(|i| (indices[i], weights[i], single[i]))
-                    .collect()
+            assert!(indices.iter().all(|&i| i < counts.control_values));
+            let mut start = 0;
+            let row = |&size: &u32| {
+                let entries = start..start + size as usize;
+                start = entries.end;
+                let mut row: Vec<_> = entries.map(|i| (indices[i] as i32, weights[i], single[i])).collect();
+                row.sort_by_key(|entry| entry.0);
+                row
             };
-            offsets.iter().zip(&sizes).map(row).collect()
+            sizes.iter().map(row).collect()
         }
     }
 }

@@ -164,16 +164,15 @@ pub fn exceptions<'a>(r: &'a Refinement, parent: &'a Mesh, degree: usize) -> Cow
             |vertex, row| r.add_s0_row(parent, vertex, 1.0, row),
         )),
         // Of any length.
-        1 if r.homotopy.regular == Regular::Whitney => Cow::Owned(Exceptions::collect(
-            shape,
-            |_| true,
-            |edge, row| r.add_s1_row(parent, edge, 1.0, row),
-        )),
+        1 if r.homotopy.regular == Regular::Whitney => {
+            Cow::Owned(Exceptions::collect(shape, |_| true, |edge, row| r.add_s1_row(parent, edge, 1.0, row)))
+        }
         1 => Cow::Borrowed(&r.s1_exceptions),
         _ => {
             let fill = |face: usize, row: &mut Row| r.add_s2_row(parent, face, 1.0, row);
             let places = r.homotopy.h1.members().iter().map(|&edge| r.split.edge_parent(edge as usize));
-            let non_manifold = |place| matches!(place, ChildEdge::Even(h) if parent.is_non_manifold_edge(h.edge()));
+            let non_manifold =
+                |place| matches!(place, ChildEdge::Even(h) if parent.is_non_manifold_edge(h.edge()));
             Cow::Owned(match places.clone().any(non_manifold) {
                 true => Exceptions::collect(shape, |face| !r.is_regular_face(parent, face), fill),
                 false => {

@@ -129,10 +129,10 @@ impl Refiner {
     /// If there is no such level.
     pub fn tags(&self, level: usize) -> Result<Tags, OsdError> {
         let n = self.0.counts(level as u32)?;
-        let mut edge_sharpness = memory::zeros(n.edges);
-        let mut vertex_sharpness = memory::zeros(n.vertices);
-        let mut vertex_rule = memory::zeros(n.vertices);
-        let mut face_hole = memory::zeros(n.faces);
+        let mut edge_sharpness = memory::zeros_to_fill(n.edges);
+        let mut vertex_sharpness = memory::zeros_to_fill(n.vertices);
+        let mut vertex_rule = memory::zeros_to_fill(n.vertices);
+        let mut face_hole = memory::zeros_to_fill(n.faces);
         self.0.tags(
             level as u32,
             ffi::TagArrays {

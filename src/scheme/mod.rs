@@ -27,6 +27,7 @@ pub mod half_box;
 pub mod loop_;
 pub mod modified_loop;
 pub mod regular;
+mod regular_cells;
 pub(crate) mod sector;
 mod tables;
 pub(crate) mod triangle_rows;

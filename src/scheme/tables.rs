@@ -2,7 +2,8 @@
 //! correction and the rows of the odd edges.
 
 use super::correction::{Correction, FaceWeights};
-use super::regular::{Regular, RegularCells};
+use super::regular::Regular;
+use super::regular_cells::RegularCells;
 use super::{Homotopy, whitney};
 use crate::osd::Masks;
 use crate::sparse::{Exceptions, Row};

@@ -214,7 +214,7 @@ pub fn assemble_in_place(
         end
     }));
     assert_eq!(offsets.len(), shape.0 + 1, "one length for each row");
-    let (mut columns, mut weights) = (memory::zeros(end), memory::zeros(end));
+    let (mut columns, mut weights) = (memory::zeros_to_fill(end), memory::zeros_to_fill(end));
     fill_runs(0..shape.0, &offsets, &mut columns, &mut weights, &fill);
     Csr::new(shape, offsets, columns, weights)
 }

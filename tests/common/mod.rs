@@ -12,6 +12,7 @@ use formwork::hierarchy::Hierarchy;
 use formwork::laws::{Report, measure};
 use formwork::osd::Refiner;
 use formwork::scheme::{BoundaryRule, Scheme, Variant};
+use formwork::sparse::row_of;
 use formwork::topology::Cage;
 
 /// What holds algebraically is tested to this, relative to weights of order 1.
@@ -33,6 +34,40 @@ pub fn random(len: usize, seed: u64) -> Vec<f64> {
         (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     };
     std::iter::repeat_with(next).take(len).collect()
+}
+
+/// The rows of one step as evaluators take them, whole and in short runs, against the matrix: the same to the last digit.
+#[track_caller]
+pub fn assert_stencils(hierarchy: &Hierarchy, level: usize) {
+    for degree in 0..3 {
+        let (matrix, stencils) = (hierarchy.operator(degree, level), hierarchy.step_stencils(degree, level));
+        assert_eq!((stencils.shape(), stencils.num_terms(0..matrix.rows())), (matrix.shape(), matrix.nnz()));
+        for run in [matrix.rows().max(1), 13] {
+            for first in (0..matrix.rows()).step_by(run) {
+                let rows = first..matrix.rows().min(first + run);
+                let terms = stencils.num_terms(rows.clone());
+                let (mut lengths, mut columns) = (vec![0; rows.len()], vec![0; terms]);
+                let (mut double, mut single) = (vec![0.0; terms], vec![0.0f32; terms]);
+                stencils.write(rows.clone(), &mut lengths, &mut columns, &mut single);
+                stencils.write(rows.clone(), &mut lengths, &mut columns, &mut double);
+                let mut start = 0;
+                for (row, &length) in rows.zip(&lengths) {
+                    let of = start..start + length as usize;
+                    start = of.end;
+                    let mut terms: Vec<_> = of.map(|i| (columns[i], double[i], single[i])).collect();
+                    terms.sort_by_key(|term| term.0);
+                    let (columns, weights) = row_of(&matrix, row);
+                    let expected =
+                        columns.iter().zip(weights).map(|(&c, &weight)| (c, weight, weight as f32));
+                    assert_eq!(
+                        terms,
+                        expected.collect::<Vec<_>>(),
+                        "degree {degree}, level {level}, row {row}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 /// Every scheme that takes triangles only, the default of each family first.

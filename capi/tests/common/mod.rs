@@ -62,12 +62,7 @@ pub fn run(program: &Path, prefix: &Path, arguments: &[&Path]) -> Output {
 }
 
 /// [`run`] with more variables in the environment.
-pub fn run_with(
-    program: &Path,
-    prefix: &Path,
-    arguments: &[&Path],
-    environment: &[(&str, &str)],
-) -> Output {
+pub fn run_with(program: &Path, prefix: &Path, arguments: &[&Path], environment: &[(&str, &str)]) -> Output {
     let mut folders = vec![prefix.join("lib")];
     folders.extend(std::env::var_os("OPENSUBDIV_ROOT").map(|root| Path::new(&root).join("lib")));
     folders.extend(std::env::var_os("LD_LIBRARY_PATH").iter().flat_map(std::env::split_paths));

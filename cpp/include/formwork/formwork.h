@@ -396,7 +396,8 @@ FormworkStatus formwork_stencils_entries(const FormworkStencils *stencils,
  * the weight of each entry, in no order.
  *
  * # Safety
- * `stencils` is alive; `sizes` is as long as `count` says, `indices` and `weights` as `formwork_stencils_entries` says.
+ * `stencils` is alive; `sizes` is as long as `count` says, `indices` and `weights` as `formwork_stencils_entries` says, and
+ * all hold numbers, whichever.
  */
 FormworkStatus formwork_stencils_rows_f32(const FormworkStencils *stencils,
                                           uint32_t set,
