@@ -30,8 +30,9 @@ pub trait Rule: Sync {
         rows.map(|row| self.length(row)).sum()
     }
 
-    /// The terms of a row, in any order, no column twice.
-    fn visit(&self, row: usize, visit: impl FnMut(u32, f64));
+    /// The terms of a row, in any order, no column twice: the column, the weight, and whether it is to be negated. The weight
+    /// by itself is one of a few constants, which are rounded to the precision that is wanted when this is compiled.
+    fn visit(&self, row: usize, visit: impl FnMut(u32, f64, bool));
 
     /// Writes the terms to the beginning of two arrays and says how many they are. What follows may be overwritten.
     #[inline]
@@ -42,8 +43,8 @@ pub trait Rule: Sync {
         weights: &mut [W; LONGEST],
     ) -> usize {
         let mut len = 0;
-        self.visit(row, |column, weight| {
-            (columns[len], weights[len]) = (column, W::one().scale(weight));
+        self.visit(row, |column, weight, negative| {
+            (columns[len], weights[len]) = (column, W::one().scale(weight).negate_if(negative));
             len += 1;
         });
         len
@@ -217,7 +218,8 @@ impl Rule for VertexRule<'_> {
     }
 
     #[inline]
-    fn visit(&self, row: usize, visit: impl FnMut(u32, f64)) {
+    fn visit(&self, row: usize, mut visit: impl FnMut(u32, f64, bool)) {
+        let visit = |vertex, weight| visit(vertex, weight, false);
         self.r.homotopy.regular.s0(self.parent, self.r.split.vertex_parent(row), visit);
     }
 }
@@ -260,10 +262,10 @@ impl Rule for EdgeRule<'_> {
     }
 
     #[inline]
-    fn visit(&self, row: usize, mut visit: impl FnMut(u32, f64)) {
+    fn visit(&self, row: usize, mut visit: impl FnMut(u32, f64, bool)) {
         let (split, regular) = (&self.r.split, self.r.homotopy.regular);
         let continued = |h: HalfEdge| self.r.continued(h);
-        let visit = |h: HalfEdge, weight: f64| visit(h.edge(), weight.negate_if(h.sign() < 0.0));
+        let visit = |h: HalfEdge, weight: f64| visit(h.edge(), weight, h.index() % 2 == 1);
         // Said twice, so that each branch is compiled for its own kind of row.
         match split.edge_parent(row) {
             place @ ChildEdge::Odd(_) => regular.s1(self.parent, split.kind(), place, continued, visit),
@@ -306,7 +308,8 @@ impl Rule for FaceRule<'_> {
     }
 
     #[inline]
-    fn visit(&self, row: usize, visit: impl FnMut(u32, f64)) {
+    fn visit(&self, row: usize, mut visit: impl FnMut(u32, f64, bool)) {
+        let visit = |face, weight| visit(face, weight, false);
         self.r.homotopy.regular.s2(self.parent, &self.r.split, row, visit);
     }
 }
