@@ -26,6 +26,7 @@ test:
 bench:
 	@scripts/setup
 	cargo bench
+	cargo bench -p formwork-capi --bench tables
 
 lib:
 	@scripts/setup

@@ -101,6 +101,8 @@ mod tests {
     fn values_are_those_of_the_standard_librarys_vectors() {
         let len = LARGE / size_of::<u32>() + 5;
         assert_eq!(zeros::<u32>(len), vec![0; len]);
+        assert_eq!(zeros_to_fill::<u32>(len), vec![0; len]);
+        assert_eq!(zeros_to_fill::<u32>(MAPPED / 4), vec![0; MAPPED / 4]);
         assert_eq!(filled(7u32, len), vec![7; len]);
         assert_eq!(collect((0..len).into_par_iter()), (0..len).collect::<Vec<_>>());
         let numbers: Vec<u32> = (0..len as u32).collect();

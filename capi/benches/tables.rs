@@ -1,8 +1,9 @@
 //! What a C++ program that owns a refiner waits for tables of forms, beside OpenSubdiv's own of S0, and what they hold.
 //!
-//! `cargo bench -p formwork-capi` prints medians of one run, one thread: `Far::StencilTable` on either side, in single and
-//! in double precision. "refine" and "S0" are OpenSubdiv's; "read" is a `FormRefiner` of the refined mesh, and "S1, S2"
-//! their tables of each level.
+//! `cargo bench -p formwork-capi` prints medians, one thread: `Far::StencilTable` on either side, in single and in double
+//! precision. "refine" and "S0" are a program without Formwork; "read" is a `FormRefiner` of the refined mesh and "S1, S2"
+//! the tables of each level, in a program that refines as well. Both are run three times, in turn: the first mesh of a
+//! program, for which memory is fresh, and the same mesh again, for which it is there.
 
 #[path = "../../benches/common/mod.rs"]
 mod benches;
@@ -40,17 +41,29 @@ fn main() {
         expect(&output, "tables").split_whitespace().map(|number| number.parse().unwrap()).collect()
     };
     println!("Tables of each level, one thread, medians; milliseconds, and as ratios to OpenSubdiv's sum");
-    println!("{:<27} {:>6} | {:>8} {:>8} | {:>8} {:>8} |", "", "levels", "refine", "S0", "read", "S1, S2");
+    let columns = format!("{:>7} {:>6} {:>6} {:>7}", "refine", "S0", "read", "S1, S2");
+    println!("{:<27} {:>6} | first: {columns}         | again: {columns}", "", "levels");
     for (precision, program) in &precisions {
         for (name, mesh) in &meshes {
             for levels in [3, 4] {
-                let [refine, s0, read, forms] = measure(program, mesh, levels, "time")[..] else {
-                    panic!("four times")
-                };
-                println!(
-                    "{name:<20} {precision:<6} {levels:>6} | {refine:>8.0} {s0:>8.0} | {read:>8.0} {forms:>8.0} | {:.2}x",
-                    (read + forms) / (refine + s0)
-                );
+                let mut runs = [const { Vec::new() }; 8];
+                for _ in 0..3 {
+                    let time = |what: &str| measure(program, mesh, levels, what);
+                    let (s0, forms) = (time("time-s0"), time("time-forms"));
+                    let [first, again] = [0, 1].map(|i| [s0[i], s0[2 + i], forms[2 + i], forms[4 + i]]);
+                    runs.iter_mut().zip([first, again].concat()).for_each(|(runs, time)| runs.push(time));
+                }
+                let times = runs.map(|mut times: Vec<f64>| {
+                    times.sort_by(f64::total_cmp);
+                    times[1]
+                });
+                print!("{name:<20} {precision:<6} {levels:>6}");
+                for times in times.chunks(4) {
+                    let [refine, s0, read, forms] = times[..] else { unreachable!("four columns") };
+                    let ratio = (read + forms) / (refine + s0);
+                    print!(" |        {refine:>7.0} {s0:>6.0} {read:>6.0} {forms:>7.0}  {ratio:.2}x");
+                }
+                println!();
             }
         }
     }
@@ -58,8 +71,9 @@ fn main() {
     for (precision, program) in &precisions {
         for (name, mesh) in &meshes {
             let peak = |what: &str| measure(program, mesh, 4, what)[0];
-            let empty = peak("none");
-            let [refiner, s0, forms] = ["refiner", "s0", "forms"].map(|what| (peak(what) - empty) / 2.56e6);
+            let empty = peak("memory-none");
+            let of = ["memory-refiner", "memory-s0", "memory-forms"];
+            let [refiner, s0, forms] = of.map(|what| (peak(what) - empty) / 2.56e6);
             println!(
                 "{name:<20} {precision:<6} | refiner {refiner:>5.0}, with S0 {s0:>5.0} | with S1 and S2 instead {forms:>5.0}"
             );

@@ -57,6 +57,9 @@ pub trait Rule: Sync {
     }
 }
 
+/// The columns and weights of a row.
+type Stored<'a> = (&'a [u32], &'a [f64]);
+
 /// The rows of an operator, one at a time.
 pub trait Rows: Sync {
     /// The columns of a row, none twice, in any order, and their weights. `terms` may be where they are kept.
@@ -83,7 +86,7 @@ impl<R: Rule> Rows for Mixed<'_, R> {
 impl<R: Rule> Mixed<'_, R> {
     /// Each of a run of rows: where it is stored, or `None` where it follows the rule.
     #[inline]
-    pub fn stored(&self, rows: Range<usize>) -> impl Iterator<Item = (usize, Option<(&[u32], &[f64])>)> {
+    pub fn stored(&self, rows: Range<usize>) -> impl Iterator<Item = (usize, Option<Stored<'_>>)> {
         let exceptions = &*self.exceptions;
         let mut among = exceptions.among(rows.clone()).peekable();
         rows.map(move |row| {
@@ -134,7 +137,7 @@ impl<R: Rule> Mixed<'_, R> {
 }
 
 /// Copies a row to the beginning of two slices; its length.
-fn copy<W: Quantity>(row: (&[u32], &[f64]), columns: &mut [u32], weights: &mut [W]) -> usize {
+fn copy<W: Quantity>(row: Stored, columns: &mut [u32], weights: &mut [W]) -> usize {
     let len = row.0.len();
     columns[..len].copy_from_slice(row.0);
     weights[..len].iter_mut().zip(row.1).for_each(|(out, &weight)| *out = W::one().scale(weight));

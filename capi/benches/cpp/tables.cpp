@@ -1,8 +1,11 @@
-// Times the tables of forms of a refiner that this program owns beside OpenSubdiv's own of S0, and says how much memory
-// each takes, for the benchmark that runs it (capi/benches/tables.rs).
+// Times tables of forms of a refiner that this program owns, or OpenSubdiv's own of S0, and says how much memory they take,
+// for the benchmark that runs it (capi/benches/tables.rs).
 //
-//   tables MESH LEVELS time     milliseconds: refining; S0; reading the refiner; S1 and S2
-//   tables MESH LEVELS none|refiner|s0|forms     the peak of memory, in bytes, of one of them
+//   tables MESH LEVELS time-s0       milliseconds: refining; the tables of S0
+//   tables MESH LEVELS time-forms    milliseconds: refining; reading the refiner; the tables of S1 and S2
+//   tables MESH LEVELS memory-none|memory-refiner|memory-s0|memory-forms     the peak of memory, in bytes
+//
+// Of each task the time of the first round, whose memory is fresh, and the median of those after.
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -111,58 +114,63 @@ PeakMemory() {
     return 0;
 }
 
+// Prints the milliseconds of the tasks, done in turn as for one mesh after the other: the first time, and the median later.
+static void
+Time(std::vector<std::function<void()>> const &tasks) {
+    std::vector<std::vector<double>> times(tasks.size());
+    for (int round = 0; round < 6; ++round) {
+        for (size_t i = 0; i < tasks.size(); ++i) {
+            auto start = std::chrono::steady_clock::now();
+            tasks[i]();
+            std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
+            times[i].push_back(took.count());
+        }
+    }
+    for (std::vector<double> &each : times) {
+        std::sort(each.begin() + 1, each.end());
+        std::cout << each[0] << " " << each[each.size() / 2] << " ";
+    }
+    std::cout << "\n";
+}
+
 int
 main(int argc, char **argv) {
     if (argc != 4) {
-        std::cerr << "usage: tables MESH LEVELS time|none|refiner|s0|forms\n";
+        std::cerr << "usage: tables MESH LEVELS time-...|memory-...\n";
         return 2;
     }
     Mesh mesh = ReadMesh(argv[1]);
     int levels = std::stoi(argv[2]);
     std::string what = argv[3];
-    if (what != "time") {
-        std::unique_ptr<Far::TopologyRefiner> refiner;
-        if (what != "none") {
-            refiner = Refine(mesh, levels);
-        }
-        if (what == "s0") {
-            auto table = PerLevelS0(*refiner);
-            std::cout << PeakMemory() << "\n";
-        } else if (what == "forms") {
-            // All that forms need of the refiner is in theirs.
-            std::unique_ptr<FormRefiner> forms(new FormRefiner(*refiner));
-            refiner.reset();
-            auto tables = PerLevelForms(*forms);
-            std::cout << PeakMemory() << "\n";
-        } else {
-            std::cout << PeakMemory() << "\n";
-        }
+    std::unique_ptr<Far::TopologyRefiner> refiner;
+    std::unique_ptr<FormRefiner> forms;
+    std::unique_ptr<Far::StencilTableReal<Real> const> s0;
+    std::vector<Tables> tables;
+    // What is replaced goes first, as between two meshes; that is a part of what is timed.
+    std::function<void()> refine = [&] { refiner.reset(); refiner = Refine(mesh, levels); };
+    std::function<void()> makeS0 = [&] { s0.reset(); s0 = PerLevelS0(*refiner); };
+    std::function<void()> read = [&] { forms.reset(); forms.reset(new FormRefiner(*refiner)); };
+    std::function<void()> makeForms = [&] { tables.clear(); tables = PerLevelForms(*forms); };
+    if (what == "time-s0") {
+        Time({refine, makeS0});
         return 0;
     }
-    auto refiner = Refine(mesh, levels);
-    FormRefiner forms(*refiner);
-    std::vector<std::function<void()>> tasks = {
-        [&] { Refine(mesh, levels); },
-        [&] { PerLevelS0(*refiner); },
-        [&] { FormRefiner forms(*refiner); },
-        [&] { PerLevelForms(forms); },
-    };
-    // In turn, so that a drift of the machine meets all alike; the first round does not count.
-    std::vector<std::vector<double>> times(tasks.size());
-    for (int round = 0; round <= 9; ++round) {
-        for (size_t i = 0; i < tasks.size(); ++i) {
-            auto start = std::chrono::steady_clock::now();
-            tasks[i]();
-            std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - start;
-            if (round > 0) {
-                times[i].push_back(took.count());
-            }
-        }
+    if (what == "time-forms") {
+        Time({refine, read, makeForms});
+        return 0;
     }
-    for (std::vector<double> &each : times) {
-        std::sort(each.begin(), each.end());
-        std::cout << each[each.size() / 2] << " ";
+    if (what != "memory-none") {
+        refine();
     }
-    std::cout << "\n";
+    if (what == "memory-s0") {
+        makeS0();
+    }
+    if (what == "memory-forms") {
+        read();
+        // All that forms need of the refiner is in theirs.
+        refiner.reset();
+        makeForms();
+    }
+    std::cout << PeakMemory() << "\n";
     return 0;
 }
