@@ -166,8 +166,8 @@ pub unsafe extern "C" fn formwork_stencils_rows_f64(
 /// Advice before large fresh memory is touched: it is to lie on huge pages, where the system has them, which costs far fewer
 /// page faults. Nothing is read or written, and anything may be refused; any range will do.
 #[unsafe(no_mangle)]
-pub extern "C" fn formwork_prefer_huge_pages(start: *const c_void, bytes: usize) {
-    memory::prefer_huge_pages(start as usize, bytes);
+pub extern "C" fn formwork_prefer_huge_pages(start: *const c_void, bytes: u64) {
+    memory::prefer_huge_pages(start as usize, bytes as usize);
 }
 
 unsafe fn rows<W: Quantity>(

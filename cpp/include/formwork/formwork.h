@@ -426,7 +426,7 @@ FormworkStatus formwork_stencils_rows_f64(const FormworkStencils *stencils,
  * page faults. Nothing is read or written, and anything may be refused; any range will do.
  */
 void formwork_prefer_huge_pages(const void *start,
-                                size_t bytes);
+                                uint64_t bytes);
 
 #ifdef __cplusplus
 }  // extern "C"
