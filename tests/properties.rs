@@ -10,6 +10,7 @@ use formwork::hierarchy::Hierarchy;
 use formwork::osd::Refiner;
 use formwork::scheme::{DooSabin, Scheme};
 use formwork::sparse::apply;
+use formwork::topology::ChildEdge;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -71,6 +72,27 @@ proptest! {
             // Flux is kept.
             let total = |density: &Cochain<2>| density.values().iter().sum::<f64>();
             prop_assert!((total(&hierarchy.refine(level, &density)) - total(&density)).abs() < EXACT * density.len() as f64);
+        }
+    }
+
+    /// The faces beside a child edge are those whose boundaries it is on.
+    #[test]
+    fn faces_are_beside_their_edges(polygons in random_cage(), triangles in random_triangles()) {
+        for (cage, scheme) in [(polygons, Scheme::default()), (triangles, triangle_schemes()[1])] {
+            let hierarchy = Hierarchy::new(&cage, scheme, 1).unwrap();
+            let (parent, split) = (hierarchy.level(0).mesh(), hierarchy.refinement(1).split());
+            let mut on_boundary = vec![Vec::new(); split.num_children(1)];
+            for face in 0..split.num_children(2) {
+                split.face_boundary(parent, face, |edge, _| on_boundary[split.edge_of(edge) as usize].push(face as u32));
+            }
+            for (edge, faces) in on_boundary.into_iter().enumerate() {
+                let place = split.edge_parent(edge);
+                if !matches!(place, ChildEdge::Even(h) if parent.is_non_manifold_edge(h.edge())) {
+                    let mut beside: Vec<u32> = split.faces_beside(parent, place).collect();
+                    beside.sort_unstable();
+                    prop_assert_eq!(beside, faces);
+                }
+            }
         }
     }
 
