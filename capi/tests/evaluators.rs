@@ -41,6 +41,7 @@ static PROGRAM: LazyLock<(PathBuf, PathBuf)> = LazyLock::new(|| {
     let headers = fs::read_dir(common::root().join("cpp/include/formwork")).unwrap();
     let sources = headers.map(|entry| entry.unwrap().path()).chain([
         common::root().join("capi/tests/cpp/evaluate.cpp"),
+        common::root().join("capi/tests/cpp/readArray.h"),
         common::root().join("scripts/install"),
         common::library(),
     ]);

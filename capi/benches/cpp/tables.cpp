@@ -20,6 +20,8 @@
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
+#include "../../tests/cpp/readArray.h"
+
 using namespace OpenSubdiv;
 using namespace formwork;
 
@@ -34,18 +36,6 @@ struct Mesh {
     std::vector<int> faceSizes, faceVertices, creaseVertices;
     std::vector<float> creaseSharpness;
 };
-
-template <typename T>
-static std::vector<T>
-ReadArray(std::istream &in) {
-    size_t count = 0;
-    in >> count;
-    std::vector<T> values(count);
-    for (T &value : values) {
-        in >> value;
-    }
-    return values;
-}
 
 static Mesh
 ReadMesh(char const *path) {

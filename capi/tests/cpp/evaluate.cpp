@@ -20,6 +20,8 @@
 #include <opensubdiv/osd/cpuVertexBuffer.h>
 #include <opensubdiv/osd/ompEvaluator.h>
 
+#include "readArray.h"
+
 using namespace OpenSubdiv;
 using namespace formwork;
 
@@ -31,18 +33,6 @@ struct Mesh {
     std::vector<float> creaseSharpness, cornerSharpness;
     std::map<std::pair<int, int>, Values> forms; // by degree and level
 };
-
-template <typename T>
-static std::vector<T>
-ReadArray(std::istream &in) {
-    size_t count = 0;
-    in >> count;
-    std::vector<T> values(count);
-    for (T &value : values) {
-        in >> value;
-    }
-    return values;
-}
 
 static Mesh
 ReadMesh(char const *path) {
