@@ -1,9 +1,12 @@
 #include "cpp/memory.h"
 
-#include <cstdint>
+#include <cstring>
 
 #if defined(__linux__)
 #include <sys/mman.h>
+#endif
+#if defined(__SSE2__)
+#include <emmintrin.h>
 #endif
 
 namespace formwork {
@@ -22,6 +25,27 @@ void prefer_huge_pages(std::size_t address, std::size_t bytes) noexcept {
 #else
     (void)address;
     (void)bytes;
+#endif
+}
+
+void store_past_caches(std::uint8_t *to, std::uint8_t const *from, std::size_t bytes) noexcept {
+    std::size_t done = 0;
+#if defined(__SSE2__)
+    if (reinterpret_cast<std::uintptr_t>(to) % sizeof(__m128i) == 0) {
+        for (; done + sizeof(__m128i) <= bytes; done += sizeof(__m128i)) {
+            __m128i const value = _mm_loadu_si128(reinterpret_cast<__m128i const *>(from + done));
+            _mm_stream_si128(reinterpret_cast<__m128i *>(to + done), value);
+        }
+    }
+#endif
+    if (done < bytes) {
+        std::memcpy(to + done, from + done, bytes - done);
+    }
+}
+
+void finish_stores() noexcept {
+#if defined(__SSE2__)
+    _mm_sfence();
 #endif
 }
 

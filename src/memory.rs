@@ -2,11 +2,13 @@
 //!
 //! The first touch of fresh memory, a page fault for each 4 KiB, costs as much as what is computed to fill it. Where the
 //! system has pages of 2 MiB for those who ask (`madvise`, the setting of most Linux systems), there are 512 times fewer.
-//! The column "storing" of `cargo bench --bench tables` is what is left.
+//! The column "storing" of `cargo bench --bench tables` is what is left. How results get there at all: `Stores`.
+
+use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
-/// The second bridge to C++: one call, which the standard library does not have.
+/// The second bridge to C++: calls that the standard library does not have.
 #[cxx::bridge(namespace = "formwork")]
 #[allow(unsafe_code)]
 mod ffi {
@@ -15,6 +17,8 @@ mod ffi {
         include!("cpp/memory.h");
 
         fn prefer_huge_pages(address: usize, bytes: usize);
+        unsafe fn store_past_caches(to: *mut u8, from: *const u8, bytes: usize);
+        fn finish_stores();
     }
 }
 
@@ -93,9 +97,78 @@ pub fn append<T>(to: &mut Vec<T>, from: &mut Vec<T>) {
     to.append(from);
 }
 
+/// Arrays from here on, in bytes, do not stay in the caches until somebody reads them.
+const BEYOND_CACHES: usize = 16 << 20;
+
+/// Stores that go past the caches.
+///
+/// A usual store fetches the line that it goes to, even if all of that is to be written over; and what a kernel loads waits
+/// behind such stores. Kernels therefore compute parts of large arrays in small ones, and store these.
+pub(crate) struct Stores {
+    /// Until all is finished only the thread that stores is sure to see it.
+    alone: PhantomData<*const ()>,
+}
+
+impl Stores {
+    /// Runs `body`, which writes parts of an array of `bytes` bytes, by these stores if it is large. When this returns all
+    /// threads see them.
+    pub fn to_array_of<R>(bytes: usize, body: impl FnOnce(Option<&Stores>) -> R) -> R {
+        match bytes < BEYOND_CACHES {
+            true => body(None),
+            false => body(Some(&Stores { alone: PhantomData })),
+        }
+    }
+
+    /// [`slice::copy_from_slice`].
+    ///
+    /// # Panics
+    /// If the lengths differ.
+    #[inline]
+    pub fn copy<T: Copy>(&self, to: &mut [T], from: &[T]) {
+        assert_eq!(to.len(), from.len(), "slices of different lengths");
+        // SAFETY: both slices have as many bytes; one that may be written overlaps no other; what may be copied may be
+        // copied byte by byte.
+        #[allow(unsafe_code)]
+        unsafe {
+            ffi::store_past_caches(to.as_mut_ptr().cast(), from.as_ptr().cast(), size_of_val(from));
+        }
+    }
+}
+
+impl Drop for Stores {
+    fn drop(&mut self) {
+        ffi::finish_stores();
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_stored_is_seen_whatever_its_place_and_size() {
+        let from: Vec<f32> = (0..103).map(|i| i as f32).collect();
+        // Everywhere between two lines, and of every length up to several vectors.
+        for (start, len) in (0..20).flat_map(|start| (0..50).map(move |len| (start, len))) {
+            let mut to = vec![-1.0; 103];
+            Stores::to_array_of(BEYOND_CACHES, |stores| {
+                stores.unwrap().copy(&mut to[start..start + len], &from[3..3 + len])
+            });
+            let seen = std::thread::scope(|scope| scope.spawn(|| to.clone()).join().unwrap());
+            let expected = (0..103).map(|i| match i {
+                i if i < start || i >= start + len => -1.0,
+                i => from[3 + i - start],
+            });
+            assert!(seen.into_iter().eq(expected), "{len} from {start} on");
+        }
+        assert!(Stores::to_array_of(BEYOND_CACHES - 1, |stores| stores.is_none()));
+    }
+
+    #[test]
+    #[should_panic(expected = "slices of different lengths")]
+    fn what_is_stored_must_fit() {
+        Stores::to_array_of(BEYOND_CACHES, |stores| stores.unwrap().copy(&mut [0; 3], &[0; 4]));
+    }
 
     #[test]
     fn values_are_those_of_the_standard_librarys_vectors() {

@@ -11,7 +11,7 @@ use formwork::osd::Refiner;
 use formwork::scheme::{DooSabin, Scheme};
 use formwork::sparse::apply;
 use formwork::topology::ChildEdge;
-use nalgebra::Vector3;
+use nalgebra::{SVector, Vector3};
 use proptest::prelude::*;
 
 fn values(len: usize, seed: u64) -> Vec<f64> {
@@ -149,6 +149,28 @@ fn results_are_bitwise_the_same_for_any_number_of_threads() {
         let one = run(1);
         for threads in [2, 5] {
             assert!(run(threads) == one, "{scheme:?}: {threads} threads differ from one");
+        }
+    }
+}
+
+/// Forms so large that they are written past the caches are, digit by digit, the small ones that are not.
+#[test]
+fn eight_forms_at_once_are_eight_forms() {
+    let cuts: Vec<u8> = values(40 * 40, 3).into_iter().map(|x| 1 + u8::from(x > 0.0)).collect();
+    // Of the quads some are left over when they are stored eight at a time.
+    let quads = (common::meshes::grid(61, 67, false), Scheme::default());
+    let triangles = (common::meshes::cut_grid(40, 40, false, &cuts), triangle_schemes()[1]);
+    for (descriptor, scheme) in [quads, triangles] {
+        let hierarchy =
+            Hierarchy::new(&formwork::topology::Cage::new(descriptor).unwrap(), scheme, 3).unwrap();
+        let edges = hierarchy.level(2).mesh().num_edges();
+        let alone: Vec<Cochain<1>> = (0..8).map(|seed| Cochain::new(values(edges, seed))).collect();
+        let together = (0..edges).map(|e| SVector::<f64, 8>::from_fn(|i, _| alone[i][e])).collect();
+        let together = hierarchy.refine(3, &Cochain::<1, _>::new(together));
+        assert!(size_of_val(together.values()) > 16 << 20);
+        for (i, form) in alone.iter().enumerate() {
+            let column: Vec<f64> = together.values().iter().map(|form| form[i]).collect();
+            assert!(column == hierarchy.refine(3, form).into_values(), "{scheme:?}: form {i}");
         }
     }
 }

@@ -175,12 +175,13 @@ impl Refinement {
     ) {
         assert_eq!(x.len(), parent.num_cells(K), "a cochain of another mesh");
         memory::reuse(out, self.split.num_children(K), T::zero());
-        match K {
+        // All passes from within the pool: a caller that is not would be put to sleep and woken for each.
+        rayon::scope(|_| match K {
             0 => kernel::form0(self, parent, x.values(), out),
             1 => kernel::form1(self, parent, x.values(), out, workspace),
             2 => kernel::form2(self, parent, x.values(), out),
             _ => unreachable!("a surface has cells of dimension 0, 1 and 2"),
-        }
+        });
     }
 }
 

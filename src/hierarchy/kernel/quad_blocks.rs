@@ -27,9 +27,12 @@ use rayon::prelude::*;
 use super::{BLOCK, Workspace, patch};
 use crate::cochain::Quantity;
 use crate::hierarchy::refinement::{NONE, Refinement};
-use crate::memory;
+use crate::memory::{self, Stores};
 use crate::scheme::regular::turn;
 use crate::topology::{HalfEdge, Mesh};
+
+/// How many quads are computed before they are stored: a call for each would take as long as its stores.
+const TOGETHER: usize = 8;
 
 /// `above` is the level above the parent; both are all quads.
 pub fn form1<T: Quantity>(
@@ -61,23 +64,37 @@ pub fn form1<T: Quantity>(
         }
     });
 
+    let bytes = size_of_val(out);
     let (odd, even) = out.split_at_mut(4 * num_corners);
     let (inner, outer) = even.split_at_mut(2 * num_corners);
     let chunks = odd.par_chunks_mut(16 * BLOCK).zip(inner.par_chunks_mut(8 * BLOCK));
     chunks.enumerate().for_each(|(i, (odd, inner))| {
         let first = 4 * BLOCK * i;
-        let faces = corners[first..].chunks_exact(4).zip(centres[first..].chunks_exact(4));
-        for ((odd, inner), (sides, o)) in odd.chunks_exact_mut(16).zip(inner.chunks_exact_mut(8)).zip(faces) {
-            inside(halves, sides, o, odd, inner, |side| {
-                let corner = lefts[side.twin().index()];
-                (corner != NONE.0).then(|| {
-                    let next = corners[turn(corner, 1) as usize];
-                    let previous = corners[turn(corner, 3) as usize];
-                    let a = T::zero() - halves[next.index()];
-                    [a, halves[previous.twin().index()], centres[corner as usize]]
-                })
-            });
-        }
+        let across = |side: HalfEdge| {
+            let corner = lefts[side.twin().index()];
+            (corner != NONE.0).then(|| {
+                let next = corners[turn(corner, 1) as usize];
+                let previous = corners[turn(corner, 3) as usize];
+                let a = T::zero() - halves[next.index()];
+                [a, halves[previous.twin().index()], centres[corner as usize]]
+            })
+        };
+        Stores::to_array_of(bytes, |stores| {
+            let mut quads = corners[first..].as_chunks().0.iter().zip(centres[first..].as_chunks().0);
+            let mut compute = |odd: &mut [[T; 16]], inner: &mut [[T; 8]]| {
+                for ((odd, inner), (sides, o)) in odd.iter_mut().zip(inner).zip(&mut quads) {
+                    inside(halves, sides, o, odd, inner, across);
+                }
+            };
+            let (odd, inner) = (odd.as_chunks_mut().0, inner.as_chunks_mut().0);
+            let Some(stores) = stores else { return compute(odd, inner) };
+            let (odd_here, inner_here) = (&mut [[T::zero(); 16]; TOGETHER], &mut [[T::zero(); 8]; TOGETHER]);
+            for (odd, inner) in odd.chunks_mut(TOGETHER).zip(inner.chunks_mut(TOGETHER)) {
+                compute(&mut odd_here[..odd.len()], &mut inner_here[..odd.len()]);
+                stores.copy(odd, &odd_here[..odd.len()]);
+                stores.copy(inner, &inner_here[..inner.len()]);
+            }
+        });
         patch(r, c, 4 * first, odd);
         patch(r, c, 4 * num_corners + 2 * first, inner);
     });
@@ -104,13 +121,12 @@ pub fn form1<T: Quantity>(
 #[inline(always)]
 fn inside<T: Quantity>(
     halves: &[T],
-    sides: &[HalfEdge],
-    o: &[T],
-    odd: &mut [T],
-    inner: &mut [T],
+    sides: &[HalfEdge; 4],
+    o: &[T; 4],
+    odd: &mut [T; 16],
+    inner: &mut [T; 8],
     across: impl Fn(HalfEdge) -> Option<[T; 3]>,
 ) {
-    let (odd, inner) = (&mut odd[..16], &mut inner[..8]);
     // Scaled once: X, Y by 1/16 and U by 1/64.
     let a = |i: usize| halves[sides[i].index()].scale(-1.0 / 16.0);
     let b = |i: usize| halves[sides[i].twin().index()].scale(1.0 / 16.0);

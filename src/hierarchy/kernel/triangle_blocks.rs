@@ -16,8 +16,8 @@
 //! Where a family across is missing, what is computed stands for nothing: those child edges are exceptions.
 //!
 //! A block is fetched, computed and stored in turn, by way of small arrays. Compiled for long vectors that is half again as
-//! fast as all at once, mostly because it leaves for memory in long stores; several blocks side by side in the lanes of
-//! vectors were slower.
+//! fast as all at once, mostly because it leaves for memory in long stores; the blocks of several triangles, or the families
+//! of one, side by side in the lanes of vectors were slower.
 
 use rayon::prelude::*;
 
@@ -27,7 +27,7 @@ use super::vectors::{self, Part};
 use super::{BLOCK, Workspace, patch};
 use crate::cochain::Quantity;
 use crate::hierarchy::refinement::{NONE, Refinement};
-use crate::memory;
+use crate::memory::{self, Stores};
 use crate::topology::{HalfEdge, Mesh};
 
 /// `top` is the level two above the parent.
@@ -61,6 +61,7 @@ pub fn form1<T: Quantity>(r: &Refinement, top: &Mesh, c: &[T], out: &mut [T], wo
     let sides = &mut workspace.faces;
     memory::reuse(sides, 8 * num_corners, T::zero());
     let blocks = Blocks { corners, lefts, inside, inner, outer, at_midpoints };
+    let bytes = size_of_val(out);
     let (odd, even) = out.split_at_mut(16 * num_corners);
     let (even, rest) = even.split_at_mut(8 * num_corners);
     let (halved, rest) = rest.split_at_mut(4 * num_corners);
@@ -68,13 +69,16 @@ pub fn form1<T: Quantity>(r: &Refinement, top: &Mesh, c: &[T], out: &mut [T], wo
     let chunks = chunks.zip(halved.par_chunks_mut(12 * BLOCK)).zip(sides.par_chunks_mut(24 * BLOCK));
     chunks.enumerate().for_each(|(i, (((odd, even), halved), sides))| {
         let first = BLOCK * i;
-        vectors::run(Insides {
-            blocks: &blocks,
-            first,
-            odd: odd.as_chunks_mut().0,
-            even: even.as_chunks_mut().0,
-            halved: halved.as_chunks_mut().0,
-            sides: sides.as_chunks_mut().0,
+        Stores::to_array_of(bytes, |stores| {
+            vectors::run(Insides {
+                blocks: &blocks,
+                stores,
+                first,
+                odd: odd.as_chunks_mut().0,
+                even: even.as_chunks_mut().0,
+                halved: halved.as_chunks_mut().0,
+                sides: sides.as_chunks_mut().0,
+            });
         });
         patch(r, c, 48 * first, odd);
         patch(r, c, 16 * num_corners + 24 * first, even);
@@ -160,6 +164,7 @@ struct Blocks<'a, T> {
 /// A run of blocks, and where their child edges go.
 struct Insides<'a, T> {
     blocks: &'a Blocks<'a, T>,
+    stores: Option<&'a Stores>,
     first: usize,
     odd: &'a mut [[T; 48]],
     even: &'a mut [[T; 24]],
@@ -171,8 +176,18 @@ impl<T: Quantity> Part for Insides<'_, T> {
     #[inline(always)]
     fn run(self) {
         let out = self.odd.iter_mut().zip(self.even).zip(self.halved).zip(self.sides);
+        let (odd_here, even_here) = (&mut [T::zero(); 48], &mut [T::zero(); 24]);
+        let halved_here = &mut [T::zero(); 12];
         for (i, (((odd, even), halved), sides)) in out.enumerate() {
-            self.blocks.refine(self.first + i, odd, even, halved, sides);
+            match self.stores {
+                None => self.blocks.refine(self.first + i, odd, even, halved, sides),
+                Some(stores) => {
+                    self.blocks.refine(self.first + i, odd_here, even_here, halved_here, sides);
+                    stores.copy(odd, odd_here);
+                    stores.copy(even, even_here);
+                    stores.copy(halved, halved_here);
+                }
+            }
         }
     }
 }
