@@ -1,6 +1,6 @@
 //! The bridge to OpenSubdiv: flat arrays in, flat arrays out, every call that can fail a `Result`.
 //!
-//! The only file of the crate that may hold `unsafe` code, but for one declaration in [`crate::memory`]. The C++
+//! The only file of the crate that may hold `unsafe` code, but for the second bridge in [`crate::memory`]. The C++
 //! side (`cpp/`) checks every level and every array length itself, so no argument can make it read or write out of
 //! bounds; what it cannot check is a malformed cage, and [`crate::topology::Cage`] has refused those, and the pointer that
 //! [`super::Refiner::borrow`] is given.
