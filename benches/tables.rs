@@ -87,10 +87,15 @@ fn matrices(hierarchy: &Hierarchy) -> [usize; 2] {
     [sum(&rows), sum(&entries)]
 }
 
+/// What no way of building tables of this size can save: memory, filled.
+fn store([rows, entries]: [usize; 2]) {
+    black_box((filled(1usize, rows), filled(1u32, entries), filled(1f64, entries)));
+}
+
 fn per_level(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
     let refiner = refine(cage, scheme, levels);
     let hierarchy = Hierarchy::new(cage, scheme, levels).unwrap();
-    let [rows, entries] = matrices(&hierarchy);
+    let size = matrices(&hierarchy);
     let [osd_refine, lean, osd_tables, built, tables, storing] = paired([
         &mut || drop(black_box(refine(cage, scheme, levels))),
         &mut || {
@@ -106,10 +111,7 @@ fn per_level(name: &str, cage: &Cage, scheme: Scheme, levels: usize) {
         &mut || {
             black_box(matrices(&hierarchy));
         },
-        // What no way of building them can save: memory of their size, filled.
-        &mut || {
-            black_box((filled(1usize, rows), filled(1u32, entries), filled(1f64, entries)));
-        },
+        &mut || store(size),
     ]);
     let osd = osd_refine + osd_tables;
     let faces = hierarchy.refinement(levels).split().num_children(2);
@@ -146,16 +148,21 @@ fn composed(name: &str, cage: &Cage, scheme: Scheme) {
 fn per_face(name: &str, base: usize, levels: usize) {
     let (_, cage, scheme) = surfaces::all(base).into_iter().find(|surface| surface.0 == name).unwrap();
     let hierarchy = Hierarchy::new(&cage, scheme, levels).unwrap();
-    let [built, tables] =
-        paired([&mut || drop(black_box(Hierarchy::new(&cage, scheme, levels).unwrap())), &mut || {
+    let size = matrices(&hierarchy);
+    let [built, tables, storing] = paired([
+        &mut || drop(black_box(Hierarchy::new(&cage, scheme, levels).unwrap())),
+        &mut || {
             black_box(matrices(&hierarchy));
-        }]);
+        },
+        &mut || store(size),
+    ]);
     let faces = hierarchy.refinement(levels).split().num_children(2);
     let per_face = |ms: f64| ms * 1e6 / faces as f64;
     println!(
-        "  {name:<20} {faces:>9} faces: hierarchy {:>5.0}, S1 and S2 {:>5.0}",
+        "  {name:<20} {faces:>9} faces: hierarchy {:>5.0}, S1 and S2 {:>5.0}, storing as much {:>5.0}",
         per_face(built),
-        per_face(tables)
+        per_face(tables),
+        per_face(storing)
     );
 }
 
