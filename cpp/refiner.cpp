@@ -515,26 +515,31 @@ void Refiner::topology(std::uint32_t l, TopologyArrays out) const {
     }
 }
 
-void Refiner::tags(std::uint32_t l, TagArrays out) const {
+TagLists Refiner::tags(std::uint32_t l) const {
     Far::TopologyLevel at = level(l, false);
-    Counts n = counts(l);
-    check_length(out.edge_sharpness, n.edges, "edge sharpness");
-    check_length(out.vertex_sharpness, n.vertices, "vertex sharpness");
-    check_length(out.vertex_rule, n.vertices, "vertex rules");
-    check_length(out.face_hole, n.faces, "face holes");
-    // Through plain pointers: indexing a slice is a call.
-    float *edge_sharpness = out.edge_sharpness.data(), *vertex_sharpness = out.vertex_sharpness.data();
-    std::uint8_t *vertex_rule = out.vertex_rule.data(), *face_hole = out.face_hole.data();
+    TagLists out;
+    auto number = [](int i) { return static_cast<std::uint32_t>(i); };
     for (int e = 0; e < at.GetNumEdges(); ++e) {
-        edge_sharpness[e] = at.GetEdgeSharpness(e);
+        if (float sharpness = at.GetEdgeSharpness(e)) {
+            out.edges.push_back(number(e));
+            out.edge_sharpness.push_back(sharpness);
+        }
     }
     for (int v = 0; v < at.GetNumVertices(); ++v) {
-        vertex_sharpness[v] = at.GetVertexSharpness(v);
-        vertex_rule[v] = rule_number(at.GetVertexRule(v));
+        float sharpness = at.GetVertexSharpness(v);
+        Sdc::Crease::Rule rule = at.GetVertexRule(v);
+        if (sharpness != 0.0f || rule != Sdc::Crease::RULE_SMOOTH) {
+            out.vertices.push_back(number(v));
+            out.vertex_sharpness.push_back(sharpness);
+            out.vertex_rule.push_back(rule_number(rule));
+        }
     }
     for (int f = 0; f < at.GetNumFaces(); ++f) {
-        face_hole[f] = at.IsFaceHole(f);
+        if (at.IsFaceHole(f)) {
+            out.holes.push_back(number(f));
+        }
     }
+    return out;
 }
 
 void Refiner::masks(std::uint32_t l, rust::Slice<const bool> known, MaskArrays out) const {

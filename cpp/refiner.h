@@ -20,7 +20,7 @@ struct CageArrays;
 struct Counts;
 struct Description;
 struct TopologyArrays;
-struct TagArrays;
+struct TagLists;
 struct MaskArrays;
 struct ChildArrays;
 struct Stencils;
@@ -43,7 +43,7 @@ public:
 
     Counts counts(std::uint32_t level) const;
     void topology(std::uint32_t level, TopologyArrays out) const;
-    void tags(std::uint32_t level, TagArrays out) const;
+    TagLists tags(std::uint32_t level) const;
     // But for vertices that are `known`, and edges between two of those. None is known if it is empty.
     void masks(std::uint32_t level, rust::Slice<const bool> known, MaskArrays out) const;
     void children(std::uint32_t level, ChildArrays out) const;

@@ -1,6 +1,6 @@
 use std::sync::{Arc, OnceLock};
 
-use crate::osd::Tags;
+use crate::osd::{TagLists, Tags};
 use crate::topology::{Mesh, Split};
 
 /// One level: its complex and OpenSubdiv's tags.
@@ -11,16 +11,18 @@ pub struct Level {
     /// The finest level is the largest by far, and refining a cochain does not ask for its complex: it is
     /// made when somebody does.
     mesh: OnceLock<Arc<Mesh>>,
-    tags: Tags,
+    /// Likewise the tags of all its cells, of which few are not smooth.
+    tags: OnceLock<Tags>,
+    tag_lists: TagLists,
 }
 
 impl Level {
-    pub(super) fn cage(mesh: Mesh, tags: Tags) -> Self {
-        Level { origin: None, mesh: OnceLock::from(Arc::new(mesh)), tags }
+    pub(super) fn cage(mesh: Mesh, tag_lists: TagLists) -> Self {
+        Level { origin: None, mesh: OnceLock::from(Arc::new(mesh)), tags: OnceLock::new(), tag_lists }
     }
 
-    pub(super) fn refined(parent: Arc<Mesh>, split: Split, tags: Tags) -> Self {
-        Level { origin: Some((parent, split)), mesh: OnceLock::new(), tags }
+    pub(super) fn refined(parent: Arc<Mesh>, split: Split, tag_lists: TagLists) -> Self {
+        Level { origin: Some((parent, split)), mesh: OnceLock::new(), tags: OnceLock::new(), tag_lists }
     }
 
     /// The complex.
@@ -42,6 +44,6 @@ impl Level {
 
     /// Sharpness, vertex rules and holes.
     pub fn tags(&self) -> &Tags {
-        &self.tags
+        self.tags.get_or_init(|| self.tag_lists.tags())
     }
 }

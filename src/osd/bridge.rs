@@ -77,12 +77,14 @@ pub(super) mod ffi {
         edge_vertices: &'a mut [u32],
     }
 
-    /// One level's tags, to be filled in.
-    struct TagArrays<'a> {
-        edge_sharpness: &'a mut [f32],
-        vertex_sharpness: &'a mut [f32],
-        vertex_rule: &'a mut [u8],
-        face_hole: &'a mut [u8],
+    /// The edges and vertices of one level that are sharp or not smooth, and the faces that are holes, ascending.
+    struct TagLists {
+        edges: Vec<u32>,
+        edge_sharpness: Vec<f32>,
+        vertices: Vec<u32>,
+        vertex_sharpness: Vec<f32>,
+        vertex_rule: Vec<u8>,
+        holes: Vec<u32>,
     }
 
     /// The weights of S0 from one level to the next, to be filled in; see `osd::Masks`.
@@ -130,7 +132,7 @@ pub(super) mod ffi {
         fn refine_uniform(self: Pin<&mut Refiner>, levels: u32, full_last_level: bool) -> Result<()>;
         fn counts(self: &Refiner, level: u32) -> Result<Counts>;
         fn topology(self: &Refiner, level: u32, out: TopologyArrays) -> Result<()>;
-        fn tags(self: &Refiner, level: u32, out: TagArrays) -> Result<()>;
+        fn tags(self: &Refiner, level: u32) -> Result<TagLists>;
         fn masks(self: &Refiner, level: u32, known: &[bool], out: MaskArrays) -> Result<()>;
         fn children(self: &Refiner, level: u32, out: ChildArrays) -> Result<()>;
         fn numbers_children_in_order(self: &Refiner, level: u32, centres: bool) -> Result<bool>;

@@ -1,5 +1,6 @@
 //! What the refiner says of a level, as plain arrays.
 
+use crate::memory;
 use crate::sparse::Csr;
 
 /// OpenSubdiv's subdivision schemes.
@@ -50,6 +51,35 @@ pub struct Tags {
     /// and their descendants these are, with [`BoundaryInterpolation::None`](crate::topology::BoundaryInterpolation::None), the faces that touch the
     /// boundary of the cage.
     pub face_hole: Vec<bool>,
+}
+
+/// [`Tags`] of few cells: those that are not smooth, or holes.
+#[derive(Clone, Debug)]
+pub(crate) struct TagLists {
+    /// Of the level: vertices, edges, faces.
+    pub num_cells: [usize; 3],
+    pub edges: Vec<(u32, f32)>,
+    pub vertices: Vec<(u32, (f32, Rule))>,
+    pub holes: Vec<u32>,
+}
+
+impl TagLists {
+    /// The tags of all cells.
+    pub fn tags(&self) -> Tags {
+        let [vertices, edges, faces] = self.num_cells;
+        let mut tags = Tags {
+            edge_sharpness: memory::zeros(edges),
+            vertex_sharpness: memory::zeros(vertices),
+            vertex_rule: memory::filled(Rule::Smooth, vertices),
+            face_hole: memory::zeros(faces),
+        };
+        self.edges.iter().for_each(|&(e, sharpness)| tags.edge_sharpness[e as usize] = sharpness);
+        for &(v, (sharpness, rule)) in &self.vertices {
+            (tags.vertex_sharpness[v as usize], tags.vertex_rule[v as usize]) = (sharpness, rule);
+        }
+        self.holes.iter().for_each(|&f| tags.face_hole[f as usize] = true);
+        tags
+    }
 }
 
 /// The weights of S0 from one level to the next, in `f64`, keyed to corners and half-edges.

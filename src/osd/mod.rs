@@ -12,6 +12,7 @@ mod level;
 
 pub use bfr::{BFR_SHARP_LEVEL, BFR_SMOOTH_LEVEL, Bfr};
 pub use borrowed::{BorrowError, version};
+pub(crate) use level::TagLists;
 pub use level::{Children, LimitStencils, Masks, OsdScheme, Rule, Rules, Tags};
 
 use bridge::ffi;
@@ -128,25 +129,19 @@ impl Refiner {
     /// # Errors
     /// If there is no such level.
     pub fn tags(&self, level: usize) -> Result<Tags, OsdError> {
+        Ok(self.tag_lists(level)?.tags())
+    }
+
+    /// The same in little memory.
+    pub(crate) fn tag_lists(&self, level: usize) -> Result<TagLists, OsdError> {
         let n = self.0.counts(level as u32)?;
-        let mut edge_sharpness = memory::zeros_to_fill(n.edges);
-        let mut vertex_sharpness = memory::zeros_to_fill(n.vertices);
-        let mut vertex_rule = memory::zeros_to_fill(n.vertices);
-        let mut face_hole = memory::zeros_to_fill(n.faces);
-        self.0.tags(
-            level as u32,
-            ffi::TagArrays {
-                edge_sharpness: &mut edge_sharpness,
-                vertex_sharpness: &mut vertex_sharpness,
-                vertex_rule: &mut vertex_rule,
-                face_hole: &mut face_hole,
-            },
-        )?;
-        Ok(Tags {
-            edge_sharpness,
-            vertex_sharpness,
-            vertex_rule: rules(&vertex_rule),
-            face_hole: flags(&face_hole),
+        let lists = self.0.tags(level as u32)?;
+        let vertices = lists.vertex_sharpness.into_iter().zip(rules(&lists.vertex_rule));
+        Ok(TagLists {
+            num_cells: [n.vertices, n.edges, n.faces],
+            edges: lists.edges.into_iter().zip(lists.edge_sharpness).collect(),
+            vertices: lists.vertices.into_iter().zip(vertices).collect(),
+            holes: lists.holes,
         })
     }
 
@@ -337,10 +332,6 @@ impl FloatStencilTable {
 
 fn rules(numbers: &[u8]) -> Vec<Rule> {
     numbers.iter().map(|&n| Rule::from_number(n)).collect()
-}
-
-fn flags(bytes: &[u8]) -> Vec<bool> {
-    bytes.iter().map(|&byte| byte != 0).collect()
 }
 
 fn matrix(stencils: &ffi::Stencils, columns: usize) -> Csr {
