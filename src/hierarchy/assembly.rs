@@ -13,7 +13,7 @@ pub fn s0(r: &Refinement, parent: &Mesh) -> Csr {
 }
 
 pub fn s1(r: &Refinement, parent: &Mesh) -> Csr {
-    let rows = rows::of_s1(r, parent, rows::exceptions(r, parent, 1));
+    let rows = rows::of_s1(r, parent, rows::exceptions(r, parent, 1), None);
     if r.homotopy.regular != Regular::Loop {
         return matrix(rows);
     }

@@ -3,6 +3,7 @@
 mod assembly;
 mod budget;
 mod composed;
+mod hubs;
 mod kernel;
 mod level;
 mod refinement;

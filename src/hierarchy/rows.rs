@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
+use super::hubs::Hubs;
 use super::refinement::Refinement;
 use crate::cochain::Quantity;
 use crate::scheme::Regular;
@@ -48,6 +49,29 @@ pub trait Rule: Sync {
             len += 1;
         });
         len
+    }
+
+    /// Writes a run of rows, one after the other, to the beginning of two slices, and says how many terms they have.
+    fn write_all<W: Quantity>(&self, rows: Range<usize>, columns: &mut [u32], weights: &mut [W]) -> usize {
+        self.write_each(rows, columns, weights)
+    }
+
+    /// The same by [`Rule::write`].
+    fn write_each<W: Quantity>(&self, rows: Range<usize>, columns: &mut [u32], weights: &mut [W]) -> usize {
+        let mut end = 0;
+        for row in rows {
+            let (columns, weights) = (&mut columns[end..], &mut weights[end..]);
+            end += match (columns.first_chunk_mut(), weights.first_chunk_mut()) {
+                (Some(columns), Some(weights)) => self.write(row, columns, weights),
+                // The last rows of all.
+                _ => {
+                    let mut terms = Terms::default();
+                    self.get(row, &mut terms);
+                    copy((&terms.columns[..terms.len], &terms.weights[..terms.len]), columns, weights)
+                }
+            };
+        }
+        end
     }
 
     /// Puts the terms into `terms`.
@@ -119,20 +143,18 @@ impl<R: Rule> Mixed<'_, R> {
         mut columns: &mut [u32],
         mut weights: &mut [W],
     ) {
-        for ((row, stored), length) in self.stored(rows).zip(lengths) {
-            let len = match (stored, columns.first_chunk_mut(), weights.first_chunk_mut()) {
-                (Some(stored), ..) => copy(stored, columns, weights),
-                (None, Some(columns), Some(weights)) => self.rule.write(row, columns, weights),
-                // The last rows of all.
-                (None, ..) => {
-                    let mut terms = Terms::default();
-                    self.rule.get(row, &mut terms);
-                    copy((&terms.columns[..terms.len], &terms.weights[..terms.len]), columns, weights)
-                }
-            };
-            *length = len as u32;
+        lengths.iter_mut().zip(rows.clone()).for_each(|(out, row)| *out = self.rule.length(row) as u32);
+        let mut next = rows.start;
+        for position in self.exceptions.among(rows.clone()) {
+            let row = self.exceptions.members()[position] as usize;
+            let before = self.rule.write_all(next..row, columns, weights);
+            (columns, weights) = (&mut columns[before..], &mut weights[before..]);
+            let len = copy(self.exceptions.stored(position), columns, weights);
             (columns, weights) = (&mut columns[len..], &mut weights[len..]);
+            lengths[row - rows.start] = len as u32;
+            next = row + 1;
         }
+        self.rule.write_all(next..rows.end, columns, weights);
     }
 }
 
@@ -149,7 +171,7 @@ pub fn rows<'a>(r: &'a Refinement, parent: &'a Mesh, degree: usize) -> Box<dyn R
     let exceptions = exceptions(r, parent, degree);
     match degree {
         0 => Box::new(of_s0(r, parent, exceptions)),
-        1 => Box::new(of_s1(r, parent, exceptions)),
+        1 => Box::new(of_s1(r, parent, exceptions, None)),
         _ => Box::new(of_s2(r, parent, exceptions)),
     }
 }
@@ -233,12 +255,15 @@ pub struct EdgeRule<'a> {
     parent: &'a Mesh,
     /// The lengths of the even and the odd rows.
     lengths: [usize; 2],
+    /// Where many rows are wanted of triangles.
+    hubs: Option<&'a Hubs>,
 }
 
 pub fn of_s1<'a>(
     r: &'a Refinement,
     parent: &'a Mesh,
     exceptions: Cow<'a, Exceptions>,
+    hubs: Option<&'a Hubs>,
 ) -> Mixed<'a, EdgeRule<'a>> {
     let shape = (r.split.num_children(1), parent.num_edges());
     let lengths = match r.homotopy.regular {
@@ -247,7 +272,7 @@ pub fn of_s1<'a>(
         Regular::Catmark => [6, 4],
         Regular::Loop => [10, 7],
     };
-    Mixed { shape, exceptions, rule: EdgeRule { r, parent, lengths } }
+    Mixed { shape, exceptions, rule: EdgeRule { r, parent, lengths, hubs } }
 }
 
 impl Rule for EdgeRule<'_> {
@@ -262,6 +287,13 @@ impl Rule for EdgeRule<'_> {
     fn lengths(&self, rows: Range<usize>) -> usize {
         let first_even = self.parent.num_corners().clamp(rows.start, rows.end);
         self.lengths[0] * (rows.end - first_even) + self.lengths[1] * (first_even - rows.start)
+    }
+
+    fn write_all<W: Quantity>(&self, rows: Range<usize>, columns: &mut [u32], weights: &mut [W]) -> usize {
+        match self.hubs {
+            Some(hubs) => hubs.write(self.parent, rows, columns, weights),
+            None => self.write_each(rows, columns, weights),
+        }
     }
 
     #[inline]

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::hubs::Hubs;
 use super::refinement::Refinement;
 use super::rows::{self, Mixed, Rule};
 use crate::cochain::Quantity;
@@ -21,6 +22,7 @@ pub struct StepStencils {
     degree: usize,
     /// Those of this degree, if they are not among the tables of the refinement.
     exceptions: Option<Exceptions>,
+    hubs: Option<Hubs>,
 }
 
 /// Few enough rows that they stay in the cache, many enough that handing them to a thread costs nothing.
@@ -32,7 +34,8 @@ impl StepStencils {
             Cow::Owned(exceptions) => Some(exceptions),
             Cow::Borrowed(_) => None,
         };
-        StepStencils { refinement, parent, degree, exceptions }
+        let hubs = if degree == 1 { Hubs::new(&refinement, &parent) } else { None };
+        StepStencils { refinement, parent, degree, exceptions, hubs }
     }
 
     /// The number of rows and columns: cells of the child and of the parent.
@@ -83,7 +86,7 @@ impl StepStencils {
     }
 
     fn s1(&self) -> Mixed<'_, impl Rule> {
-        rows::of_s1(&self.refinement, &self.parent, self.exceptions())
+        rows::of_s1(&self.refinement, &self.parent, self.exceptions(), self.hubs.as_ref())
     }
 
     fn s2(&self) -> Mixed<'_, impl Rule> {
