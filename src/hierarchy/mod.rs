@@ -23,7 +23,7 @@ use crate::cochain::{Cochain, Quantity};
 use crate::osd::{MAX_LEVELS, OsdError, OsdScheme, Refiner};
 use crate::scheme::{Scheme, SchemeError};
 use crate::sparse::Csr;
-use crate::topology::{Cage, Mesh, Split, SplitKind, TopologyError};
+use crate::topology::{Cage, Split, SplitKind, TopologyError};
 
 /// A control cage refined a number of times, with the operators between the levels.
 ///
@@ -124,34 +124,24 @@ impl Hierarchy {
             Hierarchy { cage, scheme, kind, levels: vec![cage_level], refinements: Vec::new() };
         progress(0);
         for l in 1..=levels {
+            let parent = hierarchy.finest().shared_mesh().clone();
+            let split = Split::new(kind, &parent);
             if !refiner.numbers_children_as(l - 1, kind)? {
                 return Err(HierarchyError::UnknownNumbering { level: l });
             }
-            // From within the pool: a caller that is not would be put to sleep and woken for each pass.
-            let (parent, split, known) = rayon::scope(|_| hierarchy.children_of_finest());
+            let before = hierarchy.refinements.last().zip(hierarchy.finest().above());
+            let known =
+                before.map_or(Vec::new(), |(r, above)| scheme.regular_children(above, &r.split, &r.homotopy));
             let masks = refiner.masks_except(l - 1, &known)?;
-            let refinement = rayon::scope(|_| {
-                let homotopy = scheme.homotopy(kind, &parent, &masks, &known);
-                let above = hierarchy.finest().above();
-                let top = l.checked_sub(2).and_then(|l| hierarchy.level(l).above());
-                Refinement::new(&parent, [above, top], split, homotopy)
-            });
+            let homotopy = scheme.homotopy(kind, &parent, &masks, &known);
+            let above = hierarchy.finest().above();
+            let top = l.checked_sub(2).and_then(|l| hierarchy.level(l).above());
+            let refinement = Refinement::new(&parent, [above, top], split, homotopy);
             hierarchy.refinements.push(Arc::new(refinement));
             hierarchy.levels.push(Level::refined(parent, split, refiner.tag_lists(l)?));
             progress(l);
         }
         Ok(hierarchy)
-    }
-
-    /// The finest level, how it splits, and which child vertices are certain to be regular.
-    fn children_of_finest(&self) -> (Arc<Mesh>, Split, Vec<bool>) {
-        let parent = self.finest().shared_mesh().clone();
-        let split = Split::new(self.kind, &parent);
-        let before = self.refinements.last().zip(self.finest().above());
-        let regular = |(r, above): (&Arc<Refinement>, &Arc<Mesh>)| {
-            self.scheme.regular_children(above, &r.split, &r.homotopy)
-        };
-        (parent, split, before.map_or(Vec::new(), regular))
     }
 
     /// The cage, level 0 as it was handed in.
