@@ -2,11 +2,9 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::refinement::Refinement;
+use super::wheel::round_regular;
 use crate::cochain::Quantity;
-use crate::memory;
 use crate::scheme::Regular;
 use crate::scheme::triangle_rows::{EVEN, ODD, sides_and_across, spokes_and_rims};
 use crate::topology::{HalfEdge, Mesh};
@@ -42,19 +40,15 @@ const RIMS: [f64; 4] = [EVEN[10], EVEN[11], EVEN[6], EVEN[7]];
 impl Hubs {
     /// Those of a step; none but for Loop's schemes.
     pub fn new(r: &Refinement, parent: &Mesh) -> Option<Self> {
-        let vertices = (0..parent.num_vertices() as u32).into_par_iter();
-        let hub = |v: u32| {
+        let hub = |fan: &[u32; 6]| {
+            let edges = spokes_and_rims(parent, fan);
             let mut hub = [HalfEdge(0); 16];
-            if r.homotopy.h0.position(v as usize).is_none() {
-                let fan = parent.fans(v).next().expect("a regular vertex has a fan").corners;
-                let fan = fan.try_into().expect("six triangles round a regular vertex");
-                let edges = spokes_and_rims(parent, fan);
-                hub[..12].copy_from_slice(&edges);
-                hub[12..].copy_from_slice(&edges[6..10]);
-            }
+            hub[..12].copy_from_slice(&edges);
+            hub[12..].copy_from_slice(&edges[6..10]);
             Hub(hub)
         };
-        (r.homotopy.regular == Regular::Loop).then(|| Hubs(memory::collect(vertices.map(hub))))
+        let hubs = || Hubs(round_regular(r, parent, Hub([HalfEdge(0); 16]), hub));
+        (r.homotopy.regular == Regular::Loop).then(hubs)
     }
 
     /// Writes a run of regular rows, one after the other, to the beginning of two slices; how many terms they have.

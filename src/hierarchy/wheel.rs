@@ -132,7 +132,7 @@ impl<'a> EdgeRows<'a> {
         let wheel = |fan: &[u32; 6]| Wheel::of_edges(spokes_and_rims(parent, fan));
         EdgeRows {
             parent,
-            wheels: round_regular(r, parent, wheel),
+            wheels: round_regular(r, parent, Wheel::NONE, wheel),
             even: turned(EVEN, [1, 1]),
             odd: turned(ODD, [1, 2]),
         }
@@ -167,7 +167,7 @@ impl FaceRows {
     pub fn new(r: &Refinement, parent: &Mesh) -> Self {
         let places = std::array::from_fn(|i| 2 * i as u8);
         let wheel = |fan: &[u32; 6]| Wheel::sorted(fan.map(|c| parent.corner_face(c)), places);
-        FaceRows { wheels: round_regular(r, parent, wheel), corner: turned(CORNER, [1, 0]) }
+        FaceRows { wheels: round_regular(r, parent, Wheel::NONE, wheel), corner: turned(CORNER, [1, 0]) }
     }
 
     /// The row of the child of a face at a vertex.
@@ -178,18 +178,19 @@ impl FaceRows {
     }
 }
 
-/// The wheels of all vertices; those that are not regular have none.
-fn round_regular<const N: usize>(
+/// What `of` makes of the six triangles round each regular vertex; `none` for all others.
+pub fn round_regular<W: Copy + Send + Sync>(
     r: &Refinement,
     parent: &Mesh,
-    wheel: impl Fn(&[u32; 6]) -> Wheel<N> + Sync,
-) -> Vec<Wheel<N>> {
+    none: W,
+    of: impl Fn(&[u32; 6]) -> W + Sync,
+) -> Vec<W> {
     let vertices = (0..parent.num_vertices() as u32).into_par_iter();
     memory::collect(vertices.map(|v| match r.homotopy.h0.position(v as usize) {
-        Some(_) => Wheel::NONE,
+        Some(_) => none,
         None => {
             let fan = parent.fans(v).next().expect("a regular vertex has a fan");
-            wheel(fan.corners.try_into().expect("six triangles round a regular vertex"))
+            of(fan.corners.try_into().expect("six triangles round a regular vertex"))
         }
     }))
 }
