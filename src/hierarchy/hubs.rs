@@ -89,8 +89,8 @@ impl Hub {
     ) {
         let Hub(edges) = self;
         let (mut place, mut fourth) = (0, 0);
-        for i in 0..6 {
-            let here = edges[i] == h;
+        for (i, &spoke) in edges[..6].iter().enumerate() {
+            let here = spoke == h;
             place += if here { i } else { 0 };
             fourth += if here { (i + 4) % 6 } else { 0 };
         }
