@@ -20,8 +20,8 @@ struct Hub([HalfEdge; 16]);
 pub struct Hubs(Vec<Hub>);
 
 /// The terms of an even row, and of an odd one: the weights that are not 0.
-const EVEN_TERMS: usize = 10;
-const ODD_TERMS: usize = 7;
+pub const EVEN_TERMS: usize = 10;
+pub const ODD_TERMS: usize = 7;
 
 /// The weights of the spokes of a row, twice: those of a row that begins at spoke `i` begin at `6 - i`.
 const SPOKES: [f64; 12] = {

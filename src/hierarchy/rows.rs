@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::hubs::Hubs;
+use super::hubs::{EVEN_TERMS, Hubs, ODD_TERMS};
 use super::refinement::Refinement;
 use crate::cochain::Quantity;
 use crate::scheme::Regular;
@@ -270,7 +270,7 @@ pub fn of_s1<'a>(
         // All are exceptions.
         Regular::Whitney => [0, 0],
         Regular::Catmark => [6, 4],
-        Regular::Loop => [10, 7],
+        Regular::Loop => [EVEN_TERMS, ODD_TERMS],
     };
     Mixed { shape, exceptions, rule: EdgeRule { r, parent, lengths, hubs } }
 }
